@@ -1,0 +1,128 @@
+// Questions to two trees: do the surfaces intersect; which triangles are closer than a distance?
+//
+// This work is based on:
+// Jan Klein, Gabriel Zachmann. ADB-Trees: Controlling the Error of Time-Critical Collision Detection. VMV 2003, fig. 4
+// (the queue of node pairs; here ordered by how deep the boxes overlap, until the probability comes)
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <grapeshot/adb/tree.hpp>
+#include <grapeshot/core/budget.hpp>
+#include <grapeshot/core/pose.hpp>
+
+namespace grapeshot {
+
+/// How node pairs are taken up.
+enum class Order {
+    depthFirst,  ///< nearest child first; fastest to the end
+    bestFirst,   ///< deepest box overlap of all first; best when the budget may end it
+};
+
+struct DecideSettings {
+    Order order = Order::depthFirst;
+};
+
+/// Two triangles, one of each mesh, by their index in the mesh.
+struct TrianglePair {
+    std::uint32_t triangleA = noTriangle;
+    std::uint32_t triangleB = noTriangle;
+    friend bool operator==(const TrianglePair&, const TrianglePair&) = default;
+};
+
+/// Do the surfaces intersect? (A mesh wholly inside another does not: see `contains` in point_query.hpp.)
+struct Decision {
+    bool collides = false;
+    /// P(the answer `collides` is true). 1 when certain. When the budget ended it first: 0.5, nothing known, and
+    /// `collides` is true (boxes still overlap); a calibrated estimate is the probabilistic method's task.
+    float probability = 0.5F;
+    bool certain = false;
+    StopReason stop = StopReason::invalidInput;
+    std::uint64_t work = 0;  ///< work units since `decide`, resumed parts included
+    TrianglePair witness;    ///< an intersecting pair, if certain and colliding
+};
+
+/// Two leaf blocks, by index.
+struct LeafPair {
+    std::uint32_t leafA = 0;
+    std::uint32_t leafB = 0;
+    friend bool operator==(const LeafPair&, const LeafPair&) = default;
+    friend auto operator<=>(const LeafPair&, const LeafPair&) = default;
+};
+
+struct ContactSettings {
+    float maxDistance = 0;  ///< m, >= 0: pairs farther apart are not reported
+    Order order = Order::depthFirst;
+};
+
+/// Two triangles within the distance. Everything in A's frame, in metres.
+struct TriangleContact {
+    TrianglePair pair;
+    Eigen::Vector3f onA =
+        Eigen::Vector3f::Zero();  ///< closest point of A's triangle; middle of the intersection if overlapping
+    Eigen::Vector3f onB = Eigen::Vector3f::Zero();
+    float signedDistance = 0;   ///< minus the translation that parts the two triangles if overlapping
+    std::uint8_t featureA = 6;  ///< 0..2 corner, 3..5 edge, 6 face (see DistanceBatch)
+    std::uint8_t featureB = 6;
+    bool overlapping = false;
+};
+
+struct Contacts {
+    std::vector<TriangleContact>
+        pairs;             ///< in the order of the traversal: deterministic, the same on every instruction set
+    bool certain = false;  ///< all pairs within the distance are listed
+    StopReason stop = StopReason::invalidInput;
+    std::uint64_t work = 0;
+};
+
+/// Leaf pairs whose boxes are within a distance.
+struct LeafPairs {
+    std::vector<LeafPair> pairs;
+    bool certain = false;
+    StopReason stop = StopReason::invalidInput;
+    std::uint64_t work = 0;
+};
+
+/// A query between two trees that can be stopped and resumed. Copyable: a copy resumes on its own. Keeps references to
+/// both trees, which must stay where they are and unchanged while it is resumed. Not for two threads at once; make two.
+/// Queries never throw (but for memory); bad poses and settings give StopReason::invalidInput.
+class Query {
+  public:
+    Query(const Tree& a, const Tree& b);
+    Query(const Query&);
+    Query& operator=(const Query&);
+    Query(Query&&) noexcept;
+    Query& operator=(Query&&) noexcept;
+    ~Query();
+
+    /// Exact, ends at the first intersecting pair. The last witness of this object is tried first.
+    Decision decide(const Pose& bInA, const DecideSettings& settings = {}, Budget budget = {});
+    /// Goes on where the last `decide` stopped. The end does not depend on where it was stopped.
+    /// StopReason::invalidInput if there is nothing to resume (no decide before).
+    Decision resume(Budget budget);
+
+    /// All triangle pairs with signedDistance <= maxDistance. `out` is cleared and its memory kept.
+    void contacts(const Pose& bInA, const ContactSettings& settings, Budget budget, Contacts& out);
+    [[nodiscard]] Contacts contacts(const Pose& bInA, const ContactSettings& settings, Budget budget = {});
+    /// Goes on where the last `contacts` stopped, appending to `out`, which must be the one it left.
+    void resumeContacts(Budget budget, Contacts& out);
+
+    /// Only the traversal: leaf pairs with boxes within `maxDistance`, a superset of the leaves of `contacts`. For
+    /// callers that keep the list while the bodies move little.
+    void leafPairs(const Pose& bInA, const ContactSettings& settings, Budget budget, LeafPairs& out);
+    void resumeLeafPairs(Budget budget, LeafPairs& out);
+
+    /// Only the triangle tests of given leaf pairs, one unit each. `out` is cleared; if the budget ends it, `out.work`
+    /// says how many were done, from the front. Leaf indices out of range give invalidInput.
+    void contactsOf(std::span<const LeafPair> pairs, const Pose& bInA, float maxDistance, Budget budget, Contacts& out);
+
+  private:
+    struct State;
+    std::unique_ptr<State> m_state;
+};
+
+}  // namespace grapeshot

@@ -1,0 +1,93 @@
+// The hierarchy over one mesh: 4-wide nodes that bound their triangles by a box and a slab, and know how the surface
+// below them is distributed.
+//
+// This work is based on:
+// Ingo Wald. On fast Construction of SAH-based Bounding Volume Hierarchies. 2007 (binned building)
+// Jan Klein, Gabriel Zachmann. ADB-Trees: Controlling the Error of Time-Critical Collision Detection. VMV 2003
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <grapeshot/core/mesh_view.hpp>
+
+namespace grapeshot {
+
+/// What a slot of a node holds. Inner: index of a node. Leaf: index of a leaf block, with the top bit set.
+using ChildRef = std::uint32_t;
+inline constexpr ChildRef noChild = 0xffffffffU;
+inline constexpr ChildRef leafBit = 0x80000000U;
+
+[[nodiscard]] constexpr bool isLeaf(ChildRef ref) noexcept {
+    return (ref & leafBit) != 0U;
+}
+[[nodiscard]] constexpr std::uint32_t indexOf(ChildRef ref) noexcept {
+    return ref & ~leafBit;
+}
+
+/// Four children side by side; everything in the mesh's frame. An empty slot has child noChild and a box that no test
+/// hits (negative half extents). Three cache lines.
+struct alignas(64) Node {
+    float center[3][4];  ///< middle of each child's box, m
+    float half[3][4];    ///< half extents, m, rounded up so that the box holds its triangles
+    float normal[3][4];  ///< unit mean normal of the child's surface, or an arbitrary unit vector where it cancels
+    float slabLow[4];    ///< the child's triangles x satisfy slabLow <= normal . x <= slabHigh (rounded outwards), m
+    float slabHigh[4];
+    ChildRef child[4];
+};
+static_assert(sizeof(Node) == 192);
+
+/// How the surface below each child is distributed: additive, so refit is bottom-up. Beside the node because the exact
+/// traversal never reads it.
+struct alignas(16) NodeMoments {
+    float area[4];           ///< m^2
+    float mean[3][4];        ///< area-weighted centroid, m
+    float covariance[6][4];  ///< xx, yy, zz, xy, xz, yz about the mean, m^2
+    float normalSum[3][4];   ///< integral of the unit normal, m^2: its length / area is the flatness
+};
+
+/// Up to four triangles as structure of arrays. Unused lanes repeat lane 0 and have triangle id noTriangle.
+inline constexpr std::uint32_t noTriangle = 0xffffffffU;
+struct alignas(16) LeafBlock {
+    float corner[3][3][4];  ///< [corner][axis][lane]
+    std::uint32_t triangle[4];
+};
+
+struct BuildSettings {
+    int maxLeafTriangles = 4;  ///< 1..4
+    int bins = 16;             ///< 4..64; more: slower build, slightly better tree
+};
+
+/// A value: copy it, move it, share it between threads for reading. Owns copies of vertices and triangles, so the mesh
+/// it was built on may go. `nodes[0]` is the root.
+struct Tree {
+    std::vector<Node> nodes;  ///< children stand after their parents
+    std::vector<NodeMoments> moments;
+    std::vector<LeafBlock> leaves;
+    std::vector<Eigen::Vector3f> vertices;
+    std::vector<Triangle> triangles;
+    Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< box of the mesh
+    Eigen::Vector3f upper = Eigen::Vector3f::Zero();
+    float radius = 0;  ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
+
+    [[nodiscard]] MeshView mesh() const { return {vertices, triangles}; }
+};
+
+/// Binned SAH, top down, deterministic. O(n log n), about 1 us a triangle.
+/// @throws Error as requireUsable does, and badSetting.
+[[nodiscard]] Tree build(MeshView mesh, const BuildSettings& settings = {});
+
+/// New vertex positions, same triangles: boxes, slabs and moments are made anew bottom-up; the shape of the tree stays.
+/// On error the tree is unchanged. O(n).
+/// @throws Error topologyChanged (another number of vertices), notFinite, tooLarge
+void refit(Tree& tree, std::span<const Eigen::Vector3f> vertices);
+
+/// What is malformed in a tree, in words, a line each; empty if nothing is. For tests and debugging: every triangle in
+/// exactly one leaf, boxes and slabs hold what is below them, moments add up.
+[[nodiscard]] std::vector<std::string> findings(const Tree& tree);
+
+}  // namespace grapeshot
