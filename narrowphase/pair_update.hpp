@@ -1,0 +1,58 @@
+// One step of one pair of meshes: pose in, persistent contacts out.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <grapeshot/adb/query.hpp>
+#include <grapeshot/core/budget.hpp>
+#include <grapeshot/narrowphase/contact_set.hpp>
+#include <grapeshot/narrowphase/local_contacts.hpp>
+#include <grapeshot/narrowphase/mesh_model.hpp>
+
+namespace grapeshot {
+
+struct PairSettings {
+    /// Surfaces closer than this are contacts, m (the host: margins + breaking threshold + what they approach in a
+    /// step).
+    float maxDistance = 0.06F;
+    /// How far beyond maxDistance candidates are collected, m; while the bodies have moved less than that against
+    /// each other, the traversal is skipped. 0: traverse every step. The contacts are the same either way.
+    float slack = 0.02F;
+    Interior interior = Interior::solid;
+    LocalContactSettings local;
+    ContactSetSettings set;
+};
+
+/// All that a pair remembers between steps; a value (copy it to save, assign it to restore: the following steps give
+/// the same bytes). Candidate leaves refer to the two models it was made with.
+struct PairState {
+    ContactSet contacts;
+    std::vector<LeafPair> candidates;  ///< leaf pairs within candidateDistance in candidatePose, sorted
+    Pose candidatePose;
+    float candidateDistance = -1;  ///< m; negative: none kept
+    std::uint64_t step = 0;
+};
+
+struct PairResult {
+    bool collides = false;  ///< some contact with signedDistance <= 0
+    bool certain = false;   ///< nothing within maxDistance was left out
+    StopReason stop = StopReason::invalidInput;
+    std::uint64_t work = 0;
+    std::uint32_t candidates = 0;    ///< leaf pairs tested
+    bool traversed = false;          ///< the candidates were collected anew
+    std::uint32_t rawContacts = 0;   ///< before regions and reduction
+    std::uint32_t deepContacts = 0;  ///< from cuts (penetration beyond the search distance) and containment
+};
+
+/// Refresh, (traverse,) test, group, merge. On invalidInput (NaN or non-rigid pose) the state's contacts are cleared
+/// and nothing is reported. Out of budget: what was found is merged, kept points stay, `certain` is false, and the next
+/// step starts with a traversal. Buffers are per thread.
+PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget budget,
+                  PairState& state);
+
+/// How far any point of B (radius about its frame's origin) can have moved against A between two relative poses, m.
+/// Rigorous.
+[[nodiscard]] float motionBound(const Pose& before, const Pose& now, float radiusOfB);
+
+}  // namespace grapeshot
