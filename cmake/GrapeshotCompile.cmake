@@ -1,0 +1,31 @@
+# How every target of this project is compiled, and where its headers are found.
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/bin)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_CXX_VISIBILITY_PRESET default)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+
+# grapeshot_warnings: language, warnings, headers. grapeshot_flags: the same and the sanitizer, if any.
+add_library(grapeshot_warnings INTERFACE)
+target_compile_features(grapeshot_warnings INTERFACE cxx_std_20)
+# Same bytes on every instruction set: no contraction of a * b + c (separate rounding is part of the contract).
+target_compile_options(grapeshot_warnings INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wpedantic -Wnon-virtual-dtor
+                                                    -Woverloaded-virtual -Wundef)
+add_library(grapeshot_flags INTERFACE)
+target_link_libraries(grapeshot_flags INTERFACE grapeshot_warnings)
+if(GRAPESHOT_SANITIZE)
+    target_compile_options(grapeshot_flags INTERFACE -fsanitize=${GRAPESHOT_SANITIZE} -fno-omit-frame-pointer
+                                                     -fno-sanitize-recover=all)
+    target_link_options(grapeshot_flags INTERFACE -fsanitize=${GRAPESHOT_SANITIZE})
+endif()
+
+# <grapeshot/adb/tree.hpp> in the build tree and in the installed tree alike: one link per room.
+set(GRAPESHOT_INCLUDE_DIR ${CMAKE_CURRENT_BINARY_DIR}/include)
+file(MAKE_DIRECTORY ${GRAPESHOT_INCLUDE_DIR}/grapeshot)
+foreach(room core adb narrowphase plugin plugin.hpp)
+    set(target ${CMAKE_CURRENT_SOURCE_DIR}/${room})
+    if(room STREQUAL "plugin.hpp")
+        set(target ${CMAKE_CURRENT_SOURCE_DIR}/plugin/plugin.hpp)
+    endif()
+    file(CREATE_LINK ${target} ${GRAPESHOT_INCLUDE_DIR}/grapeshot/${room} SYMBOLIC)
+endforeach()
+target_include_directories(grapeshot_warnings INTERFACE $<BUILD_INTERFACE:${GRAPESHOT_INCLUDE_DIR}>)

@@ -1,0 +1,27 @@
+# Each public header compiles alone: one source per header that includes nothing else.
+#
+# grapeshot_check_headers(name target ROOMS core adb) compiles them with what `target` gives its users.
+function(grapeshot_check_headers name target)
+    cmake_parse_arguments(arg "" "" "ROOMS" ${ARGN})
+    set(sources)
+    foreach(room ${arg_ROOMS})
+        file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/${room}/*.hpp)
+        foreach(header ${headers})
+            string(MAKE_C_IDENTIFIER ${header} id)
+            set(source ${PROJECT_BINARY_DIR}/header_check/${name}/${id}.cpp)
+            file(CONFIGURE OUTPUT ${source} CONTENT "#include <grapeshot/${header}>\n")
+            list(APPEND sources ${source})
+        endforeach()
+    endforeach()
+    add_library(${name} OBJECT ${sources})
+    target_link_libraries(${name} PRIVATE ${target} grapeshot_flags)
+    target_compile_options(${name} PRIVATE -O0 -g0)  # only whether they compile
+endfunction()
+
+grapeshot_check_headers(grapeshot_header_check Grapeshot::grapeshot ROOMS core adb narrowphase)
+if(TARGET grapeshot_bullet)
+grapeshot_check_headers(grapeshot_header_check_bullet Grapeshot::bullet ROOMS plugin)
+endif()
+if(TARGET grapeshot_bullet_float64)
+    grapeshot_check_headers(grapeshot_header_check_bullet_float64 Grapeshot::bullet-float64 ROOMS plugin)
+endif()
