@@ -1,0 +1,44 @@
+#include <grapeshot/core/detail/welding.hpp>
+
+#include <bit>
+
+namespace grapeshot::detail {
+namespace {
+
+std::uint64_t hashOf(const Eigen::Vector3f& p) {
+    std::uint64_t hash = 0x9e3779b97f4a7c15U;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float value = p[axis] == 0 ? 0.0F : p[axis];  // one zero
+        hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 0xff51afd7ed558ccdU;
+        hash ^= hash >> 32U;
+    }
+    return hash;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> weld(std::span<const Eigen::Vector3f> vertices) {
+    constexpr std::uint32_t empty = 0xffffffffU;
+    const std::size_t size = std::bit_ceil(2 * vertices.size() + 1);
+    std::vector<std::uint32_t> table(size, empty);
+    std::vector<std::uint32_t> welded(vertices.size());
+    for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+        welded[v] = v;
+        if (!vertices[v].allFinite()) {
+            continue;
+        }
+        for (std::size_t slot = hashOf(vertices[v]) & (size - 1);; slot = (slot + 1) & (size - 1)) {
+            if (table[slot] == empty) {
+                table[slot] = v;
+                break;
+            }
+            if (vertices[table[slot]] == vertices[v]) {
+                welded[v] = table[slot];
+                break;
+            }
+        }
+    }
+    return welded;
+}
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,258 @@
+#include <grapeshot/core/mesh_report.hpp>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <numeric>
+#include <sstream>
+#include <vector>
+
+#include <grapeshot/core/detail/half_edges.hpp>
+#include <grapeshot/core/detail/welding.hpp>
+#include <grapeshot/core/error.hpp>
+
+namespace grapeshot {
+
+namespace {
+
+constexpr float largestCoordinate = 1e15F;
+/// Indices and node references are 31 bit.
+constexpr std::size_t largestCount = 0x7ffffffeU;
+constexpr double leastRelativeHeight = 1e-6;
+
+using Eigen::Vector3d;
+
+/// Twice the area vector, relative to the first corner.
+Vector3d areaVector(const std::array<Vector3d, 3>& corner) {
+    return (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+}
+
+bool isDegenerate(const std::array<Vector3d, 3>& corner) {
+    double longest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        longest = std::max(longest, (corner[(i + 1) % 3] - corner[i]).norm());
+    }
+    return !(areaVector(corner).norm() > leastRelativeHeight * longest * longest);
+}
+
+std::array<Vector3d, 3> cornersOf(MeshView mesh, const Triangle& triangle) {
+    return {mesh.vertices[triangle[0]].cast<double>(), mesh.vertices[triangle[1]].cast<double>(),
+            mesh.vertices[triangle[2]].cast<double>()};
+}
+
+/// Disjoint sets of vertices.
+class Pieces {
+  public:
+    explicit Pieces(std::size_t size) : m_parent(size) { std::iota(m_parent.begin(), m_parent.end(), 0U); }
+    std::uint32_t find(std::uint32_t v) {
+        while (m_parent[v] != v) {
+            m_parent[v] = m_parent[m_parent[v]];
+            v = m_parent[v];
+        }
+        return v;
+    }
+    void unite(std::uint32_t a, std::uint32_t b) {
+        const std::uint32_t rootA = find(a);
+        const std::uint32_t rootB = find(b);
+        m_parent[std::max(rootA, rootB)] = std::min(rootA, rootB);
+    }
+
+  private:
+    std::vector<std::uint32_t> m_parent;
+};
+
+/// Triangles with three good corners; counts the bad ones.
+std::vector<Triangle> soundTriangles(MeshView mesh, MeshReport& report) {
+    std::vector<Triangle> sound;
+    sound.reserve(mesh.triangles.size());
+    for (const Triangle& triangle : mesh.triangles) {
+        bool good = true;
+        for (const std::uint32_t v : triangle) {
+            if (v >= mesh.vertices.size()) {
+                ++report.indicesOutOfRange;
+                good = false;
+            } else if (!mesh.vertices[v].allFinite()) {
+                good = false;
+            }
+        }
+        if (good) {
+            sound.push_back(triangle);
+        }
+    }
+    return sound;
+}
+
+void measureVertices(MeshView mesh, const std::vector<std::uint32_t>& welded, MeshReport& report) {
+    std::vector<bool> named(mesh.vertices.size(), false);
+    for (const Triangle& triangle : mesh.triangles) {
+        for (const std::uint32_t v : triangle) {
+            if (v < named.size()) {
+                named[v] = true;
+            }
+        }
+    }
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+        report.notFiniteVertices += mesh.vertices[v].allFinite() ? 0U : 1U;
+        report.unusedVertices += named[v] ? 0U : 1U;
+        report.distinctVertices += welded[v] == v ? 1U : 0U;
+    }
+}
+
+void measureEdges(const std::vector<Triangle>& sound, const std::vector<std::uint32_t>& welded, MeshReport& report) {
+    const std::vector<detail::HalfEdge> edges = detail::sortedHalfEdges(sound, welded);
+    report.closed = !edges.empty();
+    for (std::size_t begin = 0; begin < edges.size();) {
+        const std::size_t end = detail::endOfEdge(edges, begin);
+        if (end - begin == 1) {
+            ++report.boundaryEdges;
+        } else if (end - begin > 2) {
+            ++report.nonManifoldEdges;
+        } else if (!detail::isOrientedPair(edges, begin, end)) {
+            ++report.misorientedEdges;
+        }
+        report.closed = report.closed && detail::isOrientedPair(edges, begin, end) &&
+                        edges[begin].triangle != edges[begin + 1].triangle;
+        begin = end;
+    }
+}
+
+void measureSurface(MeshView mesh, const std::vector<Triangle>& sound, const std::vector<std::uint32_t>& welded,
+                    MeshReport& report) {
+    if (sound.empty()) {
+        return;
+    }
+    Pieces pieces(mesh.vertices.size());
+    Eigen::Vector3f lower = mesh.vertices[sound[0][0]];
+    Eigen::Vector3f upper = lower;
+    double shortest = std::numeric_limits<double>::infinity();
+    const Vector3d origin = lower.cast<double>();  // volume about a point of the mesh: no cancellation far from 0
+    for (const Triangle& triangle : sound) {
+        const std::array<Vector3d, 3> corner = cornersOf(mesh, triangle);
+        for (std::size_t i = 0; i < 3; ++i) {
+            lower = lower.cwiseMin(mesh.vertices[triangle[i]]);
+            upper = upper.cwiseMax(mesh.vertices[triangle[i]]);
+            const double length = (corner[(i + 1) % 3] - corner[i]).norm();
+            if (length > 0) {
+                shortest = std::min(shortest, length);
+            }
+        }
+        pieces.unite(welded[triangle[0]], welded[triangle[1]]);
+        pieces.unite(welded[triangle[0]], welded[triangle[2]]);
+        const Vector3d twiceArea = areaVector(corner);
+        report.degenerateTriangles += isDegenerate(corner) ? 1U : 0U;
+        report.area += 0.5 * twiceArea.norm();
+        report.volume += (corner[0] - origin).dot(twiceArea) / 6.0;
+    }
+    std::vector<bool> counted(mesh.vertices.size(), false);
+    for (const Triangle& triangle : sound) {
+        const std::uint32_t root = pieces.find(welded[triangle[0]]);
+        report.pieces += counted[root] ? 0U : 1U;
+        counted[root] = true;
+    }
+    report.lower = lower;
+    report.upper = upper;
+    if (std::isfinite(shortest)) {
+        const double largest = static_cast<double>(std::max(lower.cwiseAbs().maxCoeff(), upper.cwiseAbs().maxCoeff()));
+        report.relativePrecision = largest * 0x1p-24 / shortest;
+    }
+}
+
+std::string text(double value) {
+    std::ostringstream stream;
+    stream << std::setprecision(6) << value;
+    return stream.str();
+}
+
+std::string text(const Eigen::Vector3f& v) {
+    std::ostringstream stream;
+    stream << std::setprecision(6) << '(' << v.x() << ", " << v.y() << ", " << v.z() << ')';
+    return stream.str();
+}
+
+}  // namespace
+
+MeshReport inspect(MeshView mesh) {
+    MeshReport report;
+    report.vertices = mesh.vertices.size();
+    report.triangles = mesh.triangles.size();
+    const std::vector<std::uint32_t> welded = detail::weld(mesh.vertices);
+    const std::vector<Triangle> sound = soundTriangles(mesh, report);
+    measureVertices(mesh, welded, report);
+    measureEdges(sound, welded, report);
+    measureSurface(mesh, sound, welded, report);
+    return report;
+}
+
+std::string describe(const MeshReport& report) {
+    std::ostringstream out;
+    out << report.triangles << " triangles, " << report.vertices << " vertices";
+    if (report.distinctVertices != report.vertices) {
+        out << " (" << report.distinctVertices << " distinct positions)";
+    }
+    out << '\n';
+    const auto finding = [&](std::size_t count, const char* what) {
+        if (count != 0) {
+            out << count << ' ' << what << '\n';
+        }
+    };
+    finding(report.notFiniteVertices, "vertices are NaN or infinite");
+    finding(report.indicesOutOfRange, "triangle corners name no vertex");
+    finding(report.unusedVertices, "vertices are used by no triangle");
+    finding(report.degenerateTriangles, "triangles are degenerate");
+    finding(report.boundaryEdges, "edges are open (one triangle)");
+    finding(report.nonManifoldEdges, "edges are non-manifold (three or more triangles)");
+    finding(report.misorientedEdges, "edges join triangles of opposite orientation");
+    out << report.pieces << (report.pieces == 1 ? " piece, " : " pieces, ")
+        << (report.closed ? "closed" : "not closed");
+    if (report.closed) {
+        out << ", volume " << text(report.volume) << " m^3" << (report.volume < 0 ? " (inside out)" : "");
+    }
+    out << ", area " << text(report.area) << " m^2\n";
+    out << "box " << text(report.lower) << " to " << text(report.upper) << " m\n";
+    if (report.relativePrecision > 0.01) {
+        out << "too far from the origin for single precision: rounding is " << text(100 * report.relativePrecision)
+            << " % of the shortest edge\n";
+    }
+    return out.str();
+}
+
+void requireUsable(MeshView mesh) {
+    const auto count = [](std::size_t n) { return std::to_string(n); };
+    if (mesh.vertices.empty() || mesh.triangles.empty()) {
+        throw Error(Fault::emptyMesh,
+                    count(mesh.vertices.size()) + " vertices and " + count(mesh.triangles.size()) + " triangles",
+                    "mesh");
+    }
+    if (mesh.vertices.size() > largestCount || mesh.triangles.size() > largestCount) {
+        throw Error(Fault::tooLarge,
+                    count(mesh.vertices.size()) + " vertices and " + count(mesh.triangles.size()) +
+                        " triangles, limit " + count(largestCount),
+                    "mesh");
+    }
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        const Eigen::Vector3f& vertex = mesh.vertices[v];
+        if (!vertex.allFinite()) {
+            throw Error(Fault::notFinite, text(vertex), "vertex " + count(v));
+        }
+        if (vertex.cwiseAbs().maxCoeff() > largestCoordinate) {
+            throw Error(Fault::tooLarge, text(vertex) + ", limit 1e15", "vertex " + count(v));
+        }
+    }
+    bool surface = false;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        for (const std::uint32_t v : mesh.triangles[t]) {
+            if (v >= mesh.vertices.size()) {
+                throw Error(Fault::indexOutOfRange, count(v) + " of " + count(mesh.vertices.size()) + " vertices",
+                            "triangle " + count(t));
+            }
+        }
+        surface = surface || !isDegenerate(cornersOf(mesh, mesh.triangles[t]));
+    }
+    if (!surface) {
+        throw Error(Fault::noSurface, "all " + count(mesh.triangles.size()) + " triangles are degenerate", "mesh");
+    }
+}
+
+}  // namespace grapeshot
