@@ -35,8 +35,8 @@ struct alignas(64) Node {
     float center[3][4];  ///< middle of each child's box, m
     float half[3][4];    ///< half extents, m, rounded up so that the box holds its triangles
     float normal[3][4];  ///< unit mean normal of the child's surface, or an arbitrary unit vector where it cancels
-    float slabLow[4];    ///< the child's triangles x satisfy slabLow <= normal . x <= slabHigh (rounded outwards), m
-    float slabHigh[4];
+    float slabLow[4];    ///< the child's triangles x satisfy slabLow <= normal . (x - center) <= slabHigh, m
+    float slabHigh[4];   ///< (rounded outwards; about the box's middle, which keeps precision far from the origin)
     ChildRef child[4];
 };
 static_assert(sizeof(Node) == 192);
@@ -82,7 +82,7 @@ struct Tree {
 [[nodiscard]] Tree build(MeshView mesh, const BuildSettings& settings = {});
 
 /// New vertex positions, same triangles: boxes, slabs and moments are made anew bottom-up; the shape of the tree stays.
-/// On error the tree is unchanged. O(n).
+/// On error the tree is unchanged. O(n) for boxes and moments, O(n log n) for the slabs; about a third of a build.
 /// @throws Error topologyChanged (another number of vertices), notFinite, tooLarge
 void refit(Tree& tree, std::span<const Eigen::Vector3f> vertices);
 

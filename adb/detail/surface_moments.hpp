@@ -1,0 +1,25 @@
+// Area, mean, covariance and normal of a piece of surface; pieces add up.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <grapeshot/adb/tree.hpp>
+
+namespace grapeshot::detail {
+
+/// In double, so that the sum over a million triangles is as good as its parts.
+struct SurfaceMoments {
+    double area = 0;                                         ///< m^2
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();          ///< m
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();    ///< about the mean, m^2
+    Eigen::Vector3d normalSum = Eigen::Vector3d::Zero();     ///< m^2
+};
+
+[[nodiscard]] SurfaceMoments momentsOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+/// Of the union. Pieces without any area count alike, so that the mean stays among them.
+[[nodiscard]] SurfaceMoments sum(const SurfaceMoments* pieces, int count);
+
+void store(const SurfaceMoments& moments, NodeMoments& out, int slot);
+
+}  // namespace grapeshot::detail
