@@ -1,0 +1,158 @@
+#include <grapeshot/adb/detail/descent.hpp>
+
+#include <grapeshot/core/detail/leaf_triangles.hpp>
+#include <grapeshot/core/detail/wide_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <grapeshot/adb/detail/descent.cpp>
+#include <hwy/foreach_target.h>
+
+#include <grapeshot/adb/detail/node_pair.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace grapeshot::detail::HWY_NAMESPACE {
+
+/// The touching pairs of children with their margins, not yet in order.
+struct Children {
+    alignas(64) float margin[16];
+    std::uint32_t mask;
+    Side a, b;  ///< the pair they came from
+};
+
+HWY_INLINE void test(const Descent& descent, Side a, Side b, Children& out) {
+    out.a = a;
+    out.b = b;
+    if (!isLeaf(a) && !isLeaf(b)) [[likely]] {
+        const Float16 margin = marginsOf(descent.prepared, AllOfA{descent.nodesA + a}, AllOfB{descent.nodesB + b});
+        out.mask = touching(descent.prepared, margin);
+        store(margin, out.margin);
+    } else if (isLeaf(a)) {
+        const OneChild leaf{descent.nodesA + (indexOf(a) >> 2U), a & 3U};
+        const Float16 margin = marginsOf(descent.prepared, leaf, AllOfB{descent.nodesB + b});
+        out.mask = touching(descent.prepared, margin) & 0x000fU;
+        store(margin, out.margin);
+    } else {
+        const OneChild leaf{descent.nodesB + (indexOf(b) >> 2U), b & 3U};
+        const Float16 margin = marginsOf(descent.prepared, AllOfA{descent.nodesA + a}, leaf);
+        out.mask = touching(descent.prepared, margin) & 0x1111U;
+        store(margin, out.margin);
+    }
+}
+
+/// The side below `side` at `slot`; a leaf side stays itself.
+HWY_INLINE Side below(const Node* nodes, Side side, std::uint32_t slot) {
+    if (isLeaf(side)) {
+        return side;
+    }
+    const ChildRef child = nodes[side].child[slot];
+    return isLeaf(child) ? (leafBit | side << 2U | slot) : child;
+}
+
+/// Appends the touching children, smallest margin first, so that the deepest overlap is taken up next.
+HWY_INLINE int append(const Descent& descent, const Children& children, SidePair* pairs, float* margins) {
+    int count = 0;
+    for (std::uint32_t rest = children.mask; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        const float margin = children.margin[lane];
+        const SidePair pair = sidePair(below(descent.nodesA, children.a, lane >> 2U),
+                                       below(descent.nodesB, children.b, lane & 3U));
+        int place = count++;
+        for (; place > 0 && margins[place - 1] > margin; --place) {
+            margins[place] = margins[place - 1];
+            pairs[place] = pairs[place - 1];
+        }
+        margins[place] = margin;
+        pairs[place] = pair;
+    }
+    return count;
+}
+
+HWY_INLINE void push(Descent& descent, const Children& children) {
+    if (descent.depth + 16 > descent.capacity) [[unlikely]] {
+        descent.grow(descent);
+    }
+    float margins[16];
+    descent.depth += static_cast<std::size_t>(append(descent, children, descent.stack + descent.depth, margins));
+}
+
+DescentEnd toOverlap(Descent& descent, std::uint64_t units) {
+    for (; descent.depth > 0; --units) {
+        if (units == 0) {
+            return DescentEnd::budget;
+        }
+        ++descent.work;
+        const SidePair pair = descent.stack[--descent.depth];
+        if (bothLeaves(pair)) {
+            const std::uint32_t lanes = overlapsLeaves(blockA(descent, pair).corner, blockB(descent, pair).corner, descent.pose);
+            if (lanes != 0) {
+                descent.found = pair;
+                descent.lanes = lanes;
+                return DescentEnd::found;
+            }
+            continue;
+        }
+        Children children;
+        test(descent, sideA(pair), sideB(pair), children);
+        push(descent, children);
+    }
+    return DescentEnd::exhausted;
+}
+
+DescentEnd toLeafPair(Descent& descent, std::uint64_t units) {
+    while (descent.depth > 0) {
+        const SidePair pair = descent.stack[descent.depth - 1];
+        if (bothLeaves(pair)) {
+            --descent.depth;
+            descent.found = pair;
+            return DescentEnd::found;
+        }
+        if (units == 0) {
+            return DescentEnd::budget;
+        }
+        --units;
+        ++descent.work;
+        --descent.depth;
+        Children children;
+        test(descent, sideA(pair), sideB(pair), children);
+        push(descent, children);
+    }
+    return DescentEnd::exhausted;
+}
+
+int touchingChildren(const Descent& descent, SidePair pair, TouchingChild (&children)[16]) {
+    Children touched;
+    test(descent, sideA(pair), sideB(pair), touched);
+    SidePair pairs[16];
+    float margins[16];
+    const int count = append(descent, touched, pairs, margins);
+    for (int i = 0; i < count; ++i) {
+        children[i].pair = pairs[i];
+        children[i].margin = margins[i];
+    }
+    return count;
+}
+
+}  // namespace grapeshot::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <grapeshot/core/detail/kernel_table.hpp>
+
+namespace grapeshot::detail {
+
+DescentEnd toOverlap(Descent& descent, std::uint64_t units) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toOverlap);
+    return kernel.chosen()(descent, units);
+}
+
+DescentEnd toLeafPair(Descent& descent, std::uint64_t units) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toLeafPair);
+    return kernel.chosen()(descent, units);
+}
+
+int touchingChildren(const Descent& descent, SidePair pair, TouchingChild (&children)[16]) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(touchingChildren);
+    return kernel.chosen()(descent, pair, children);
+}
+
+}  // namespace grapeshot::detail
+#endif

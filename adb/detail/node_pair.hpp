@@ -1,0 +1,155 @@
+// Sixteen boxes with slabs of one tree against those of another: the four children of a node of A times the four of a
+// node of B, lane = 4 a + b.
+//
+// This work is based on:
+// Stefan Gottschalk, Ming Lin, Dinesh Manocha. OBBTree. SIGGRAPH 1996 (separating axes; here the 6 face normals only)
+//
+// Included once per instruction set, after <grapeshot/core/detail/wide.hpp>; the toggle is Highway's idiom.
+#if defined(GRAPESHOT_ADB_DETAIL_NODE_PAIR_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef GRAPESHOT_ADB_DETAIL_NODE_PAIR_HPP
+#undef GRAPESHOT_ADB_DETAIL_NODE_PAIR_HPP
+#else
+#define GRAPESHOT_ADB_DETAIL_NODE_PAIR_HPP
+#endif
+
+#include <grapeshot/adb/detail/pair_pose.hpp>
+#include <grapeshot/core/detail/wide.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace grapeshot::detail::HWY_NAMESPACE {
+
+/// Four floats.
+#if HWY_TARGET == HWY_SCALAR
+struct Float4 {
+    float lane[4];
+};
+HWY_INLINE Float4 four(const float* p) {
+    return {{p[0], p[1], p[2], p[3]}};
+}
+HWY_INLINE Float4 fourTimes(float x) {
+    return {{x, x, x, x}};
+}
+HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
+    float all[16];
+    for (int i = 0; i < 4; ++i) {
+        all[i] = a.lane[i];
+        all[4 + i] = b.lane[i];
+        all[8 + i] = c.lane[i];
+        all[12 + i] = d.lane[i];
+    }
+    return loadU(all);
+}
+#else
+using Register4 = one::FixedTag<float, 4>;
+using Register8 = one::FixedTag<float, 8>;
+struct Float4 {
+    one::Vec<Register4> lane;
+};
+HWY_INLINE Float4 four(const float* p) {
+    return {one::Load(Register4(), p)};
+}
+HWY_INLINE Float4 fourTimes(float x) {
+    return {one::Set(Register4(), x)};
+}
+HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
+    const auto low = one::Combine(Register8(), b.lane, a.lane);
+    const auto high = one::Combine(Register8(), d.lane, c.lane);
+#if HWY_TARGET == HWY_AVX2
+    return {low, high};
+#else
+    return {one::Combine(Register(), high, low)};
+#endif
+}
+#endif
+
+/// All four children of a node, as A's or B's side of the sixteen.
+struct AllOfA {
+    const Node* node;
+    HWY_INLINE Float16 wideOf(const float* row) const { return spreadA(row); }
+    HWY_INLINE Float4 fourOf(const float* row) const { return four(row); }
+};
+struct AllOfB {
+    const Node* node;
+    HWY_INLINE Float16 wideOf(const float* row) const { return repeatB(row); }
+    HWY_INLINE Float4 fourOf(const float* row) const { return four(row); }
+};
+/// One child of a node, in every lane.
+struct OneChild {
+    const Node* node;
+    std::uint32_t slot;
+    HWY_INLINE Float16 wideOf(const float* row) const { return wide(row[slot]); }
+    HWY_INLINE Float4 fourOf(const float* row) const { return fourTimes(row[slot]); }
+};
+
+/// By how much each pair of children overlaps along the axis where it overlaps least (negative: the gap), in metres.
+/// The axes are the faces of both boxes and the normals of both slabs, so a pair with a negative margin is apart by at
+/// least that much, up to rounding (see PairPose::threshold). Empty slots have a margin below -1e35.
+template <class SideA, class SideB>
+HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
+    const Node& nodeA = *a.node;
+    const Node& nodeB = *b.node;
+
+    // Half extents and normals into the other frame, four products at once; through memory, as the lanes must be
+    // spread anew.
+    alignas(64) float turned[3][16];
+    {
+        Float16 in[3];
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            in[i] = together(b.fourOf(nodeB.half[i]), a.fourOf(nodeA.half[i]), b.fourOf(nodeB.normal[i]),
+                             a.fourOf(nodeA.normal[i]));
+        }
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+            store(load(pose.turn[i][0]) * in[0] + load(pose.turn[i][1]) * in[1] + load(pose.turn[i][2]) * in[2],
+                  turned[i]);
+        }
+    }
+
+    Float16 apart[3];  // from A's middle to B's, in A's frame
+    const Float16 centerB[3] = {b.wideOf(nodeB.center[0]), b.wideOf(nodeB.center[1]), b.wideOf(nodeB.center[2])};
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        apart[i] = wide(pose.rotation[i][0]) * centerB[0] + wide(pose.rotation[i][1]) * centerB[1] +
+                   wide(pose.rotation[i][2]) * centerB[2] + wide(pose.translation[i]) - a.wideOf(nodeA.center[i]);
+    }
+    Float16 apartInB[3];
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        apartInB[i] = wide(pose.rotation[0][i]) * apart[0] + wide(pose.rotation[1][i]) * apart[1] +
+                      wide(pose.rotation[2][i]) * apart[2];
+    }
+
+    const Float16 halfA[3] = {a.wideOf(nodeA.half[0]), a.wideOf(nodeA.half[1]), a.wideOf(nodeA.half[2])};
+    const Float16 halfB[3] = {b.wideOf(nodeB.half[0]), b.wideOf(nodeB.half[1]), b.wideOf(nodeB.half[2])};
+    Float16 margin = halfA[0] + repeatB(turned[0]) - abs(apart[0]);
+    margin = min(margin, halfA[1] + repeatB(turned[1]) - abs(apart[1]));
+    margin = min(margin, halfA[2] + repeatB(turned[2]) - abs(apart[2]));
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        margin = min(margin, halfB[i] + spreadA(turned[i] + 4) - abs(apartInB[i]));
+    }
+
+    const Float16 heightB = a.wideOf(nodeA.normal[0]) * apart[0] + a.wideOf(nodeA.normal[1]) * apart[1] +
+                            a.wideOf(nodeA.normal[2]) * apart[2];
+    const Float16 radiusB = abs(spreadA(turned[0] + 12)) * halfB[0] + abs(spreadA(turned[1] + 12)) * halfB[1] +
+                            abs(spreadA(turned[2] + 12)) * halfB[2];
+    margin = min(margin, min(a.wideOf(nodeA.slabHigh) - heightB, heightB - a.wideOf(nodeA.slabLow)) + radiusB);
+
+    const Float16 depthA = b.wideOf(nodeB.normal[0]) * apartInB[0] + b.wideOf(nodeB.normal[1]) * apartInB[1] +
+                           b.wideOf(nodeB.normal[2]) * apartInB[2];
+    const Float16 radiusA = abs(repeatB(turned[0] + 8)) * halfA[0] + abs(repeatB(turned[1] + 8)) * halfA[1] +
+                            abs(repeatB(turned[2] + 8)) * halfA[2];
+    margin = min(margin, min(b.wideOf(nodeB.slabHigh) + depthA, -depthA - b.wideOf(nodeB.slabLow)) + radiusA);
+    return margin;
+}
+
+/// Not below the threshold; a NaN (coordinates near the end of the range) counts as touching.
+HWY_INLINE std::uint32_t touching(const PairPose& pose, Float16 margin) {
+    return bits(!(margin < wide(pose.threshold)));
+}
+
+}  // namespace grapeshot::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // toggle

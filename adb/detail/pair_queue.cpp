@@ -1,0 +1,21 @@
+#include <grapeshot/adb/detail/pair_queue.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace grapeshot::detail {
+
+void PairQueue::push(SidePair pair, float margin) {
+    if (!(margin == margin)) {
+        margin = std::numeric_limits<float>::max();  // NaN has no place in an order
+    }
+    m_heap.push_back({margin, m_pushed++, pair});
+    std::push_heap(m_heap.begin(), m_heap.end(), comesLater);
+}
+
+void PairQueue::pop() {
+    std::pop_heap(m_heap.begin(), m_heap.end(), comesLater);
+    m_heap.pop_back();
+}
+
+}  // namespace grapeshot::detail

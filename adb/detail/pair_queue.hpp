@@ -1,0 +1,38 @@
+// Node pairs, the one with the largest margin first.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <grapeshot/adb/detail/descent.hpp>
+
+namespace grapeshot::detail {
+
+/// A heap that grows as needed and never drops a pair; keeps its memory when cleared. Equal margins come out in the
+/// order they went in, so the order of all is fixed.
+class PairQueue {
+  public:
+    void clear() {
+        m_heap.clear();
+        m_pushed = 0;
+    }
+    [[nodiscard]] bool empty() const { return m_heap.empty(); }
+    void push(SidePair pair, float margin);
+    [[nodiscard]] SidePair top() const { return m_heap.front().pair; }
+    void pop();
+
+  private:
+    struct Entry {
+        float margin;
+        std::uint64_t number;
+        SidePair pair;
+    };
+    static bool comesLater(const Entry& a, const Entry& b) {
+        return a.margin != b.margin ? a.margin < b.margin : a.number > b.number;
+    }
+
+    std::vector<Entry> m_heap;
+    std::uint64_t m_pushed = 0;
+};
+
+}  // namespace grapeshot::detail
