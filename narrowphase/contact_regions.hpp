@@ -24,7 +24,7 @@ struct ContactRegion {
     float depth = 0;                                   ///< largest penetration, m; negative while separated
 };
 
-/// Deepest contact seeds a region, neighbours join by breadth first; and so on with what is left. Deterministic for a
+/// Deepest contact seeds a region, neighbours join, and theirs; and so on with what is left. Deterministic for a
 /// given order of input; regions deepest first. O(n) expected (hash grid).
 [[nodiscard]] std::vector<ContactRegion> groupRegions(std::span<const SurfaceContact> contacts,
                                                       const RegionSettings& settings);

@@ -8,6 +8,7 @@
 // and along B's.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -21,12 +22,17 @@ struct LocalContactSettings {
     /// Sine of the angle by which a surface may lean towards the other body and still count as locally closest. Larger:
     /// nearly parallel faces give all their corners at once (stable rest), but slanted directions survive.
     float lean = 0.08F;
+    /// Contacts farther apart than this are left out, m. (A corner of a triangle within the distance may be beyond it.)
+    float maxDistance = std::numeric_limits<float>::infinity();
 };
 
-/// Contacts of `pairs` that are local extrema, each closest feature pair once. For two solids the sign follows the
-/// outward normals: a corner behind the other's surface is a penetration with the depth to it. For sheets (not solid)
-/// all distances are positive. Overlapping pairs give no contact themselves (see penetration.hpp). Appended to `out`,
-/// A's frame. Cost: one pass, no work units.
+/// Contacts of `pairs` that are local extrema, each closest feature pair once: corner on face, corner on edge or
+/// corner, edge on edge. Corners of nearly parallel triangles are all tried, not only the pair's witness points. The
+/// sign follows the outward normals of whichever side is solid: a corner behind the other's surface is a penetration
+/// with the depth to it, also where its triangle overlaps the surface, however deep; it must really be inside, with
+/// nothing between. Between two sheets all distances are positive. What the corners and crossing edges do not tell of a
+/// cut is left to penetration.hpp. Appended to `out` in an order that does not depend on the order of `pairs`; A's
+/// frame. Cost: one pass, no work units.
 void localContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, std::span<const TriangleContact> pairs,
                    const LocalContactSettings& settings, std::vector<SurfaceContact>& out);
 

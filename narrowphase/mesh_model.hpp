@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <span>
+#include <vector>
 
 #include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/mesh_report.hpp>
@@ -16,6 +17,13 @@ enum class Interior {
     solid,    ///< closed meshes: one inside the other collides
 };
 
+/// What the contact search asks of a triangle's surroundings, precomputed; shift by the edge or corner, 0..2.
+enum SurfaceTrait : std::uint16_t {
+    sharpEdge = 1U,    ///< convex by more than 0.09 rad, or without a neighbour
+    concaveEdge = 8U,  ///< the neighbour rises above this triangle's plane
+    flatCorner = 64U,  ///< all triangles around the vertex lie in one plane: never the end of anything
+};
+
 struct MeshModel {
     Tree tree;
     Topology topology;
@@ -25,6 +33,8 @@ struct MeshModel {
     std::vector<Eigen::Vector3f> vertexNormals;
     /// Unit normal per triangle; zero for degenerate ones.
     std::vector<Eigen::Vector3f> triangleNormals;
+    /// Which edges and corners of a triangle can carry a contact (bits of SurfaceTrait).
+    std::vector<std::uint16_t> traits;
     /// Closed and not inside out: inside and outside mean something, so penetration has a sign.
     bool solid = false;
 };

@@ -1,0 +1,305 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include <grapeshot/narrowphase/convex_contacts.hpp>
+#include <grapeshot/narrowphase/detail/edge_contact.hpp>
+#include <grapeshot/narrowphase/detail/extremum.hpp>
+#include <grapeshot/narrowphase/detail/point_contacts.hpp>
+
+namespace grapeshot {
+namespace {
+
+using Eigen::Vector3f;
+
+/// A mesh vertex inside the box.
+struct Inside {
+    Vector3f inBox;  // box frame, m
+    std::uint32_t vertex = 0;
+    std::uint32_t triangle = 0;
+    bool flat = false;  // only measures how deep the mesh is
+};
+
+// Faces are numbered 2 * axis + (1 if on the negative side).
+Vector3f faceNormal(unsigned face) {
+    return Vector3f::Unit(face / 2) * (face % 2 == 0 ? 1.0F : -1.0F);
+}
+
+class BoxContactFinder {
+  public:
+    BoxContactFinder(const MeshModel& mesh, const BoxSolid& box, float maxDistance,
+                     const LocalContactSettings& settings, detail::ConvexScratch& scratch, std::vector<Inside>& inside)
+        : m_mesh(mesh),
+          m_box(box),
+          m_maxDistance(maxDistance),
+          m_settings(settings),
+          m_scratch(scratch),
+          m_inside(inside) {
+        m_rounding = detail::coordinateRounding(mesh.tree.radius + box.pose.translation.norm() + box.half.norm());
+        for (unsigned c = 0; c < 8; ++c) {
+            const Vector3f signs((c & 1U) != 0 ? 1.0F : -1.0F, (c & 2U) != 0 ? 1.0F : -1.0F,
+                                 (c & 4U) != 0 ? 1.0F : -1.0F);
+            m_corner[c] = apply(box.pose, box.half.cwiseProduct(signs));
+        }
+    }
+
+    std::uint64_t run() {
+        meshCorners();
+        if (bodiesNearEdges()) {
+            boxCorners();
+            boxEdges();
+        }
+        return m_work;
+    }
+
+  private:
+    detail::ContactCollector& found() { return m_scratch.collector; }
+
+    // Mesh corners against the box's faces, edges and corners.
+
+    void meshCorners() {
+        const Vector3f middle = (m_mesh.tree.lower + m_mesh.tree.upper) / 2;
+        const Vector3f inBox = m_box.pose.rotation.transpose() * (middle - m_box.pose.translation);
+        // The face beyond which most of the mesh is leaves the fewest candidates.
+        unsigned best = 0;
+        float farthest = -std::numeric_limits<float>::infinity();
+        for (unsigned face = 0; face < 6; ++face) {
+            const float height = faceNormal(face).dot(inBox) - m_box.half[face / 2];
+            if (height > farthest) {
+                farthest = height;
+                best = face;
+            }
+        }
+        const Vector3f normal = m_box.pose.rotation * faceNormal(best);
+        const float offset = normal.dot(m_box.pose.translation) + m_box.half[best / 2] + m_maxDistance;
+        m_scratch.candidates.belowPlane(m_mesh, normal, offset);
+        m_work += m_scratch.candidates.work();
+        m_inside.clear();
+        const Vector3f limit = m_box.half.array() + m_maxDistance;
+        for (const std::uint32_t triangle : m_scratch.candidates.triangles()) {
+            for (unsigned c = 0; c < 3; ++c) {
+                const std::uint32_t vertex = m_mesh.topology.welded[m_mesh.tree.triangles[triangle][c]];
+                const Vector3f x =
+                    m_box.pose.rotation.transpose() * (m_mesh.tree.vertices[vertex] - m_box.pose.translation);
+                if ((x.cwiseAbs().array() > limit.array()).any() ||
+                    !found().isNew({detail::cornerKey(vertex), ~std::uint64_t{0}}, triangle, noTriangle)) {
+                    continue;
+                }
+                const bool flat = (m_mesh.traits[triangle] & (flatCorner << c)) != 0;
+                if ((x.cwiseAbs().array() <= m_box.half.array()).all()) {
+                    m_inside.push_back({x, vertex, triangle, flat});
+                } else if (!flat) {
+                    cornerOutside(x, vertex, triangle);
+                }
+            }
+        }
+        cornersInside();
+    }
+
+    void cornerOutside(const Vector3f& x, std::uint32_t vertex, std::uint32_t triangle) {
+        Vector3f excess = (x.cwiseAbs() - m_box.half).cwiseMax(0.0F);
+        // Beside a face by no more than rounding is over the face.
+        const float tolerated = m_rounding + 1e-3F * excess.maxCoeff();
+        int beyond = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (excess[axis] <= tolerated && excess[axis] < excess.maxCoeff()) {
+                excess[axis] = 0;
+            }
+            beyond += excess[axis] > 0 ? 1 : 0;
+            excess[axis] = std::copysign(excess[axis], x[axis]);
+        }
+        const float distance = excess.norm();
+        const Vector3f normal = m_box.pose.rotation * (excess / distance);
+        const float lean = beyond == 1 ? m_settings.lean : std::min(0.1F, 1e-3F + m_rounding / distance);
+        // One feature of the box has one key: a digit per axis.
+        std::uint32_t feature = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            feature = 3 * feature + (excess[axis] > 0 ? 1U : excess[axis] < 0 ? 2U : 0U);
+        }
+        if (distance <= m_maxDistance && cornerFaces(vertex, normal, lean)) {
+            add({detail::cornerKey(vertex), detail::faceKey(feature)}, m_mesh.tree.vertices[vertex], normal, distance,
+                triangle);
+        }
+    }
+
+    /// `normal`: on the box pointing to the mesh.
+    [[nodiscard]] bool cornerFaces(std::uint32_t vertex, const Vector3f& normal, float lean) const {
+        return (!m_mesh.solid || m_mesh.vertexNormals[vertex].dot(normal) <= 0) &&
+               detail::cornerIsExtremal(m_mesh, vertex, -normal, lean);
+    }
+
+    /// Which way out? The corner must be an extremum that way. The face through which all that is inside comes out
+    /// soonest has the say; another one only where it is nearer (a U around a bar).
+    void cornersInside() {
+        if (m_inside.empty()) {
+            return;
+        }
+        std::array<float, 6> toLeave{};
+        for (const Inside& corner : m_inside) {
+            for (unsigned face = 0; face < 6; ++face) {
+                toLeave[face] = std::max(toLeave[face], depth(corner, face));
+            }
+        }
+        const auto common = static_cast<unsigned>(std::min_element(toLeave.begin(), toLeave.end()) - toLeave.begin());
+        for (const Inside& corner : m_inside) {
+            if (corner.flat) {
+                continue;
+            }
+            unsigned chosen = 6;
+            for (unsigned face = 0; face < 6; ++face) {
+                const bool candidate = face == common || depth(corner, face) < depth(corner, common);
+                const bool better = chosen == 6 || depth(corner, face) < depth(corner, chosen);
+                if (candidate && better &&
+                    cornerFaces(corner.vertex, m_box.pose.rotation * faceNormal(face), m_settings.lean)) {
+                    chosen = face;
+                }
+            }
+            if (chosen < 6) {
+                add({detail::cornerKey(corner.vertex), detail::faceKey(27 + chosen)},
+                    m_mesh.tree.vertices[corner.vertex], m_box.pose.rotation * faceNormal(chosen),
+                    -depth(corner, chosen), corner.triangle);
+            }
+        }
+    }
+
+    [[nodiscard]] float depth(const Inside& corner, unsigned face) const {
+        return m_box.half[face / 2] - faceNormal(face).dot(corner.inBox);
+    }
+
+    // The box's corners and edges against the mesh; rare for a floor.
+
+    /// Does the mesh's box come near to more than one face's interior?
+    [[nodiscard]] bool bodiesNearEdges() const {
+        const Vector3f middle = (m_mesh.tree.lower + m_mesh.tree.upper) / 2;
+        const Vector3f half = (m_mesh.tree.upper - m_mesh.tree.lower) / 2;
+        const Vector3f inBox = m_box.pose.rotation.transpose() * (middle - m_box.pose.translation);
+        const Vector3f reach = m_box.pose.rotation.transpose().cwiseAbs() * half;
+        int crossed = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float outermost = std::abs(inBox[axis]) + reach[axis];
+            crossed += outermost + m_maxDistance >= m_box.half[axis] ? 1 : 0;
+        }
+        return crossed >= 2;
+    }
+
+    void boxCorners() {
+        for (unsigned c = 0; c < 8; ++c) {
+            std::array<Vector3f, 3> edges;
+            for (unsigned axis = 0; axis < 3; ++axis) {
+                const float sign = (c & (1U << axis)) != 0 ? -1.0F : 1.0F;
+                edges[axis] = sign * m_box.pose.rotation.col(axis);
+            }
+            const detail::Ball ball{m_corner[c], 0, edges, detail::cornerKey(c)};
+            m_work += detail::pointContacts(m_mesh, ball, m_maxDistance, m_settings, m_scratch.candidates, found());
+        }
+    }
+
+    void boxEdges() {
+        for (unsigned c = 0; c < 8; ++c) {
+            for (unsigned axis = 0; axis < 3; ++axis) {
+                if ((c & (1U << axis)) == 0) {
+                    boxEdge(c, c | (1U << axis), axis);
+                }
+            }
+        }
+    }
+
+    void boxEdge(unsigned from, unsigned to, unsigned axis) {
+        const Vector3f lower = m_corner[from].cwiseMin(m_corner[to]).array() - m_maxDistance;
+        const Vector3f upper = m_corner[from].cwiseMax(m_corner[to]).array() + m_maxDistance;
+        if ((lower.array() > m_mesh.tree.upper.array()).any() || (upper.array() < m_mesh.tree.lower.array()).any()) {
+            return;
+        }
+        detail::SurfaceEdge onBox;
+        onBox.from = m_corner[from];
+        onBox.to = m_corner[to];
+        onBox.sharp = true;
+        onBox.solid = true;
+        const unsigned next = (axis + 1) % 3;
+        const unsigned last = (axis + 2) % 3;
+        const auto normal = [&](unsigned i) {
+            return Vector3f(m_box.pose.rotation.col(i) * ((from & (1U << i)) != 0 ? 1.0F : -1.0F));
+        };
+        // The face left of the edge, seen from outside, is the one whose normal x along leads into it.
+        const bool nextIsLeft = normal(next).cross(m_corner[to] - m_corner[from]).dot(normal(last)) < 0;
+        onBox.own = normal(nextIsLeft ? next : last);
+        onBox.across = normal(nextIsLeft ? last : next);
+        m_scratch.candidates.inBox(m_mesh, lower, upper);
+        m_work += m_scratch.candidates.work();
+        for (const std::uint32_t triangle : m_scratch.candidates.triangles()) {
+            for (unsigned edge = 0; edge < 3; ++edge) {
+                if ((m_mesh.traits[triangle] & (concaveEdge << edge)) == 0) {
+                    edges(triangle, edge, onBox, detail::edgeKey(from, to));
+                }
+            }
+        }
+    }
+
+    void edges(std::uint32_t triangle, unsigned edge, const detail::SurfaceEdge& onBox, std::uint64_t boxKey) {
+        const detail::FeaturePairKey key{detail::meshFeatureKey(m_mesh, triangle, static_cast<int>(edge) + 3), boxKey};
+        const std::uint32_t other = m_mesh.topology.across[triangle][edge];
+        if (!found().isNew(key, std::min(triangle, other), noTriangle)) {
+            return;
+        }
+        const Triangle& corner = m_mesh.tree.triangles[triangle];
+        detail::SurfaceEdge onMesh;
+        onMesh.from = m_mesh.tree.vertices[corner[edge]];
+        onMesh.to = m_mesh.tree.vertices[corner[(edge + 1) % 3]];
+        onMesh.own = m_mesh.triangleNormals[triangle];
+        onMesh.across = other == noNeighbour ? Vector3f(Vector3f::Zero()) : m_mesh.triangleNormals[other];
+        onMesh.sharp = (m_mesh.traits[triangle] & (sharpEdge << edge)) != 0;
+        onMesh.solid = m_mesh.solid;
+        const detail::EdgeContacts contacts = detail::edgeContacts(onMesh, onBox, m_settings.lean, m_rounding);
+        for (int i = 0; i < contacts.count; ++i) {
+            SurfaceContact contact = contacts.contact[i];
+            contact.triangleA = std::min(triangle, other);
+            if (contact.signedDistance <= m_maxDistance &&
+                (contact.signedDistance >= -8 * m_rounding || reallyCrossed(onMesh, onBox, contact))) {
+                found().add(key, contact);
+            }
+        }
+    }
+
+    [[nodiscard]] bool reallyCrossed(const detail::SurfaceEdge& onMesh, const detail::SurfaceEdge& onBox,
+                                     const SurfaceContact& contact) const {
+        const Vector3f inwards = (onMesh.own + onMesh.across).normalized() + (onBox.own + onBox.across).normalized();
+        const Vector3f middle = (contact.onA + contact.onB) / 2 + 0.25F * contact.signedDistance * inwards;
+        const Vector3f inBox = m_box.pose.rotation.transpose() * (middle - m_box.pose.translation);
+        return (inBox.cwiseAbs().array() < m_box.half.array()).all() &&
+               detail::isInside(m_mesh, middle, std::numeric_limits<float>::infinity());
+    }
+
+    void add(const detail::FeaturePairKey& key, const Vector3f& onA, const Vector3f& normal, float distance,
+             std::uint32_t triangle) {
+        if (found().isNew(key, triangle, noTriangle)) {
+            found().add(key, {onA, onA - distance * normal, normal, distance, triangle, noTriangle});
+        }
+    }
+
+    const MeshModel& m_mesh;
+    BoxSolid m_box;
+    float m_maxDistance;
+    LocalContactSettings m_settings;
+    detail::ConvexScratch& m_scratch;
+    std::vector<Inside>& m_inside;
+    std::array<Vector3f, 8> m_corner;  // mesh frame
+    float m_rounding = 0;
+    std::uint64_t m_work = 0;
+};
+
+}  // namespace
+
+std::uint64_t boxContacts(const MeshModel& mesh, const BoxSolid& box, float maxDistance,
+                          const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
+    thread_local std::vector<Inside> inside;
+    detail::ConvexScratch& scratch = detail::convexScratch();
+    scratch.collector.clear();
+    const std::uint64_t work = BoxContactFinder(mesh, box, maxDistance, settings, scratch, inside).run();
+    scratch.collector.finish(1e-4F * std::min(mesh.tree.radius, box.half.norm()), out);
+    return work;
+}
+
+}  // namespace grapeshot

@@ -1,0 +1,36 @@
+// Is a feature of a mesh locally closest to another body that lies in a given direction?
+//
+// This work is based on:
+// Ming Lin, John Canny. A fast algorithm for incremental distance calculation. ICRA 1991 (Voronoi regions of features)
+// Andreas Baerentzen, Henrik Aanaes. Signed Distance Computation Using the Angle Weighted Pseudonormal. 2005
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include <grapeshot/adb/point_query.hpp>
+#include <grapeshot/narrowphase/mesh_model.hpp>
+
+namespace grapeshot::detail {
+
+/// Directions are in the mesh's frame and unit; `lean` is the sine by which a surface direction may lead towards the
+/// other body.
+
+/// No edge at the welded vertex leads along `towards`.
+[[nodiscard]] bool cornerIsExtremal(const MeshModel& model, std::uint32_t vertex, const Eigen::Vector3f& towards,
+                                    float lean);
+/// Neither face at edge `edge` (0..2) of the triangle leads along `towards`, which is orthogonal to the edge.
+[[nodiscard]] bool edgeIsExtremal(const MeshModel& model, std::uint32_t triangle, unsigned edge,
+                                  const Eigen::Vector3f& towards, float lean);
+/// `towards` is the face's normal; for sheets, or its opposite.
+[[nodiscard]] bool faceIsExtremal(const MeshModel& model, std::uint32_t triangle, const Eigen::Vector3f& towards,
+                                  float lean);
+
+/// Pseudonormal of a feature (0..2 corner, 3..5 edge, 6 face): its sign against (x - closest point) tells inside from
+/// outside. Not unit for edges; zero where it cancels.
+[[nodiscard]] Eigen::Vector3f pseudonormal(const MeshModel& model, std::uint32_t triangle, int feature);
+
+/// Is the point inside the solid, or no closer than `reach` to its surface and so unknown (then false)?
+[[nodiscard]] bool isInside(const MeshModel& solid, const Eigen::Vector3f& point, float reach);
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,159 @@
+#include <grapeshot/narrowphase/mesh_model.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace grapeshot {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// Sines of dihedral angles. Above `sharp`, nearly parallel faces may meet at the edge's crossings; below, a surface
+// counts as smooth and one contact tells. `flat` is well above the rounding of normals of small triangles.
+constexpr float sharp = 0.09F;
+constexpr float flat = 2e-4F;
+// Height over longest edge below which a triangle has no normal; as inspect() counts degenerate ones.
+constexpr double degenerate = 1e-6;
+
+void computeTriangleNormals(MeshModel& model) {
+    const Tree& tree = model.tree;
+    model.triangleNormals.resize(tree.triangles.size());
+    for (std::size_t t = 0; t < tree.triangles.size(); ++t) {
+        const Triangle& corner = tree.triangles[t];
+        const Vector3d p = tree.vertices[corner[0]].cast<double>();
+        const Vector3d u = tree.vertices[corner[1]].cast<double>() - p;
+        const Vector3d v = tree.vertices[corner[2]].cast<double>() - p;
+        const Vector3d cross = u.cross(v);
+        const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+        const double length = cross.norm();
+        model.triangleNormals[t] =
+            length > degenerate * longest ? Vector3f((cross / length).cast<float>()) : Vector3f(Vector3f::Zero());
+    }
+}
+
+void computeVertexNormals(MeshModel& model) {
+    const Tree& tree = model.tree;
+    const auto& welded = model.topology.welded;
+    std::vector<Vector3d> sum(tree.vertices.size(), Vector3d::Zero());
+    for (std::size_t t = 0; t < tree.triangles.size(); ++t) {
+        const Triangle& corner = tree.triangles[t];
+        for (int c = 0; c < 3; ++c) {
+            const Vector3d p = tree.vertices[corner[c]].cast<double>();
+            const Vector3d u = tree.vertices[corner[(c + 1) % 3]].cast<double>() - p;
+            const Vector3d v = tree.vertices[corner[(c + 2) % 3]].cast<double>() - p;
+            const double angle = std::atan2(u.cross(v).norm(), u.dot(v));
+            sum[welded[corner[c]]] += angle * model.triangleNormals[t].cast<double>();
+        }
+    }
+    model.vertexNormals.resize(tree.vertices.size());
+    for (std::size_t v = 0; v < sum.size(); ++v) {
+        const Vector3d& total = sum[welded[v]];
+        const double length = total.norm();
+        model.vertexNormals[v] = length > 1e-6 ? Vector3f((total / length).cast<float>()) : Vector3f(Vector3f::Zero());
+    }
+}
+
+std::uint16_t edgeTraits(const MeshModel& model, std::uint32_t t) {
+    const Tree& tree = model.tree;
+    const Triangle& corner = tree.triangles[t];
+    const Vector3f& normal = model.triangleNormals[t];
+    std::uint16_t traits = 0;
+    for (unsigned e = 0; e < 3; ++e) {
+        const std::uint32_t other = model.topology.across[t][e];
+        if (other == noNeighbour) {
+            traits |= sharpEdge << e;
+            continue;
+        }
+        // Sine of the turn about the directed edge: positive where the surface is convex.
+        const Vector3f along = tree.vertices[corner[(e + 1) % 3]] - tree.vertices[corner[e]];
+        const Vector3f& across = model.triangleNormals[other];
+        const float sine = normal.cross(across).dot(along.normalized());
+        const float cosine = normal.dot(across);
+        const bool unknown = normal.isZero() || across.isZero();
+        if (unknown || sine > sharp || (cosine < 0 && sine >= 0)) {
+            traits |= sharpEdge << e;
+        }
+        if (sine < -flat) {
+            traits |= concaveEdge << e;
+        }
+    }
+    return traits;
+}
+
+void computeTraits(MeshModel& model) {
+    const Tree& tree = model.tree;
+    const auto& welded = model.topology.welded;
+    constexpr std::uint32_t none = 0xffffffffU;
+    std::vector<std::uint32_t> firstTriangle(tree.vertices.size(), none);
+    std::vector<bool> bent(tree.vertices.size(), false);
+    for (std::uint32_t t = 0; t < tree.triangles.size(); ++t) {
+        for (unsigned c = 0; c < 3; ++c) {
+            const std::uint32_t v = welded[tree.triangles[t][c]];
+            if (firstTriangle[v] == none) {
+                firstTriangle[v] = t;
+            }
+            const Vector3f difference = model.triangleNormals[t] - model.triangleNormals[firstTriangle[v]];
+            const bool border =
+                model.topology.across[t][c] == noNeighbour || model.topology.across[t][(c + 2) % 3] == noNeighbour;
+            if (border || difference.squaredNorm() > flat * flat) {
+                bent[v] = true;
+            }
+        }
+    }
+    model.traits.resize(tree.triangles.size());
+    for (std::uint32_t t = 0; t < tree.triangles.size(); ++t) {
+        std::uint16_t traits = edgeTraits(model, t);
+        for (unsigned c = 0; c < 3; ++c) {
+            if (!bent[welded[tree.triangles[t][c]]]) {
+                traits |= flatCorner << c;
+            }
+        }
+        model.traits[t] = traits;
+    }
+}
+
+void computeDerived(MeshModel& model) {
+    computeTriangleNormals(model);
+    computeVertexNormals(model);
+    computeTraits(model);
+    model.solid = model.topology.closed && model.report.volume > 0;
+}
+
+void measure(const Tree& tree, MeshReport& report) {
+    double volume = 0;
+    double area = 0;
+    const Vector3d origin = ((tree.lower + tree.upper) / 2).cast<double>();
+    for (const Triangle& corner : tree.triangles) {
+        const Vector3d p = tree.vertices[corner[0]].cast<double>() - origin;
+        const Vector3d q = tree.vertices[corner[1]].cast<double>() - origin;
+        const Vector3d r = tree.vertices[corner[2]].cast<double>() - origin;
+        volume += p.dot(q.cross(r)) / 6;
+        area += (q - p).cross(r - p).norm() / 2;
+    }
+    report.volume = volume;
+    report.area = area;
+    report.lower = tree.lower;
+    report.upper = tree.upper;
+}
+
+}  // namespace
+
+MeshModel makeModel(MeshView mesh, const BuildSettings& settings) {
+    MeshModel model;
+    model.tree = build(mesh, settings);
+    model.topology = buildTopology(mesh);
+    model.report = inspect(mesh);
+    computeDerived(model);
+    return model;
+}
+
+void refit(MeshModel& model, std::span<const Eigen::Vector3f> vertices) {
+    refit(model.tree, vertices);  // throws before anything changes
+    measure(model.tree, model.report);
+    computeDerived(model);
+}
+
+}  // namespace grapeshot

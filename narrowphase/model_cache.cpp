@@ -1,0 +1,147 @@
+#include <grapeshot/narrowphase/model_cache.hpp>
+
+#include <algorithm>
+#include <compare>
+#include <cstring>
+#include <future>
+#include <list>
+#include <map>
+#include <mutex>
+
+#include <xxhash.h>
+
+namespace grapeshot {
+namespace {
+
+using Model = std::shared_ptr<const MeshModel>;
+
+struct CacheKey {
+    std::uint64_t low, high;
+    int maxLeafTriangles, bins;
+    friend auto operator<=>(const CacheKey&, const CacheKey&) = default;
+};
+
+template <class T>
+bool sameBytes(std::span<const T> left, std::span<const T> right) {
+    return left.size() == right.size() &&
+           (left.empty() || std::memcmp(left.data(), right.data(), left.size_bytes()) == 0);
+}
+
+bool sameContent(MeshView left, MeshView right) {
+    return sameBytes(left.vertices, right.vertices) && sameBytes(left.triangles, right.triangles);
+}
+
+}  // namespace
+
+ContentKey contentKey(MeshView mesh) noexcept {
+    const XXH128_hash_t vertices = XXH3_128bits(mesh.vertices.data(), mesh.vertices.size_bytes());
+    const XXH128_hash_t triangles = XXH3_128bits(mesh.triangles.data(), mesh.triangles.size_bytes());
+    // The sizes keep apart what differs only in where the vertices end.
+    const std::uint64_t parts[] = {mesh.vertices.size(),  vertices.low64,  vertices.high64,
+                                   mesh.triangles.size(), triangles.low64, triangles.high64};
+    const XXH128_hash_t hash = XXH3_128bits(parts, sizeof parts);
+    return {hash.low64, hash.high64};
+}
+
+struct ModelCache::State {
+    explicit State(std::size_t idleModels) : idle(idleModels) {}
+
+    const std::size_t idle;
+    mutable std::mutex mutex;
+    std::map<CacheKey, std::weak_ptr<const MeshModel>> models;
+    std::map<CacheKey, std::shared_future<Model>> building;
+    std::list<Model> recent;  // latest first, at most `idle`
+    std::uint64_t hits = 0, builds = 0;
+
+    /// Under the lock. What leaves the list goes to `leaving`, to be freed after the lock.
+    void touch(const Model& model, std::list<Model>& leaving) {
+        const auto place = std::find(recent.begin(), recent.end(), model);
+        if (place != recent.end()) {
+            recent.splice(recent.begin(), recent, place);
+        } else {
+            recent.push_front(model);
+        }
+        while (recent.size() > idle) {
+            leaving.splice(leaving.begin(), recent, std::prev(recent.end()));
+        }
+    }
+
+    Model countedBuild(MeshView mesh, const BuildSettings& settings) {
+        auto model = std::make_shared<const MeshModel>(makeModel(mesh, settings));
+        const std::lock_guard lock(mutex);
+        ++builds;
+        return model;
+    }
+};
+
+ModelCache::ModelCache(std::size_t idle) : m_state(std::make_unique<State>(idle)) {}
+ModelCache::~ModelCache() = default;
+
+std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSettings& settings) {
+    const ContentKey content = contentKey(mesh);
+    const CacheKey key{content.low, content.high, settings.maxLeafTriangles, settings.bins};
+    State& state = *m_state;
+    std::list<Model> leaving;  // before the lock, so that it is destroyed after it
+    std::promise<Model> promise;
+    {
+        std::unique_lock lock(state.mutex);
+        Model known;
+        if (const auto found = state.models.find(key); found != state.models.end()) {
+            known = found->second.lock();
+        }
+        if (!known) {
+            if (const auto running = state.building.find(key); running != state.building.end()) {
+                const std::shared_future<Model> other = running->second;
+                lock.unlock();
+                known = other.get();  // the other thread's error is this one's too
+                lock.lock();
+            }
+        }
+        if (known) {
+            if (!sameContent(known->tree.mesh(), mesh)) {  // equal hashes, other mesh: its model is not shared
+                lock.unlock();
+                return state.countedBuild(mesh, settings);
+            }
+            ++state.hits;
+            state.touch(known, leaving);
+            return known;
+        }
+        state.building.emplace(key, promise.get_future().share());
+    }
+    try {
+        Model model = state.countedBuild(mesh, settings);
+        {
+            const std::lock_guard lock(state.mutex);
+            state.building.erase(key);
+            std::erase_if(state.models, [](const auto& entry) { return entry.second.expired(); });
+            state.models[key] = model;
+            state.touch(model, leaving);
+        }
+        promise.set_value(model);
+        return model;
+    } catch (...) {
+        {
+            const std::lock_guard lock(state.mutex);
+            state.building.erase(key);
+        }
+        promise.set_exception(std::current_exception());
+        throw;
+    }
+}
+
+ModelCache::Counts ModelCache::counts() const {
+    const std::lock_guard lock(m_state->mutex);
+    Counts counts{m_state->hits, m_state->builds, 0};
+    for (const auto& entry : m_state->models) {
+        counts.held += entry.second.expired() ? 0U : 1U;
+    }
+    return counts;
+}
+
+void ModelCache::clear() {
+    std::list<Model> leaving;
+    const std::lock_guard lock(m_state->mutex);
+    leaving.swap(m_state->recent);
+}
+
+}  // namespace grapeshot
