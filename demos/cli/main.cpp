@@ -1,0 +1,31 @@
+// `grapeshot`: the tool.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+
+#include <grapeshot/core/instruction_set.hpp>
+
+#include "commands.hpp"
+
+int main(int argc, char** argv) {
+    using namespace grapeshot;
+    CLI::App tool("Approximate, time-critical collision detection: looks at meshes and compares them.", "grapeshot");
+    tool.require_subcommand(1);
+    tool.set_version_flag("--version",
+                          "grapeshot " GRAPESHOT_VERSION " (kernels: " + std::string(name(instructionSet())) + ")");
+    std::function<cli::ExitCode()> run;
+    cli::addInspect(tool, run);
+    cli::addCompare(tool, run);
+    try {
+        tool.parse(argc, argv);
+    } catch (const CLI::ParseError& end) {
+        // Help and version end in a ParseError too, with code 0.
+        return tool.exit(end) == 0 ? cli::done : cli::badUse;
+    }
+    try {
+        return run();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "grapeshot: %s\n", error.what());
+        return cli::badUse;
+    }
+}

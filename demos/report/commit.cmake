@@ -1,0 +1,18 @@
+# Writes OUTPUT with the commit of SOURCE; only if it changed, so that nothing is compiled anew for nothing.
+set(commit "unknown")
+find_package(Git QUIET)
+if(GIT_FOUND)
+    execute_process(COMMAND ${GIT_EXECUTABLE} -C ${SOURCE} describe --always --dirty=+ --abbrev=12 --exclude=*
+                    OUTPUT_VARIABLE described OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE result)
+    if(result EQUAL 0)
+        set(commit ${described})
+    endif()
+endif()
+set(text "#pragma once\ninline constexpr char sourceCommit[] = \"${commit}\";\n")
+set(before "")
+if(EXISTS ${OUTPUT})
+    file(READ ${OUTPUT} before)
+endif()
+if(NOT text STREQUAL before)
+    file(WRITE ${OUTPUT} "${text}")
+endif()
