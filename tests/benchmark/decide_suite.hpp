@@ -1,0 +1,11 @@
+// Exact yes/no of two copies of a mesh, against FCL, on Zachmann's procedure.
+#pragma once
+
+#include "options.hpp"
+#include <report/report.hpp>
+
+namespace grapeshot::bench {
+
+[[nodiscard]] report::Report runDecideSuite(const Options& options);
+
+}  // namespace grapeshot::bench

@@ -1,0 +1,29 @@
+#include "meshes.hpp"
+
+#include <filesystem>
+
+#include <import/mesh_import.hpp>
+
+namespace grapeshot::bench {
+
+std::vector<NamedMesh> generatedMeshes(bool quick) {
+    std::vector<NamedMesh> meshes;
+    const auto add = [&](const char* name, scenes::Mesh mesh) {
+        if (!quick || mesh.triangles.size() <= 10'000) {
+            meshes.push_back({name, scenes::normalised(std::move(mesh))});
+        }
+    };
+    add("bumpySphere-1k", scenes::bumpySphere(1.0F, 0.22F, 9, 8, 6151));
+    add("cup-3k", scenes::cup(0.7F, 0.09F, 1.3F, 44, 14));
+    add("gear-7k", scenes::gear(1.0F, 0.14F, 0.31F, 0.37F, 19, 4));
+    add("torusKnot-18k", scenes::torusKnot(3, 5, 1.0F, 0.42F, 0.13F, 460, 20));
+    add("spikedBall-42k", scenes::spikedBall(1.0F, 0.38F, 46, 42'000));
+    add("bumpySphere-98k", scenes::bumpySphere(1.0F, 0.27F, 13, 70, 24593));
+    return meshes;
+}
+
+NamedMesh fileMesh(const std::string& file) {
+    return {std::filesystem::path(file).stem().string(), scenes::normalised(import::importMesh(file))};
+}
+
+}  // namespace grapeshot::bench

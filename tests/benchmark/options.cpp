@@ -1,0 +1,98 @@
+#include "options.hpp"
+
+#include <charconv>
+#include <stdexcept>
+#include <string_view>
+
+namespace grapeshot::bench {
+
+namespace {
+
+template <class Number>
+Number number(std::string_view option, std::string_view text, Number low, Number high) {
+    Number value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || value < low || value > high) {
+        throw std::invalid_argument(std::string(option) + ": '" + std::string(text) + "' is no whole number from " +
+                                    std::to_string(low) + " to " + std::to_string(high));
+    }
+    return value;
+}
+
+InstructionSet instructionSetNamed(std::string_view text) {
+    for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::avx2, InstructionSet::avx512}) {
+        if (text == name(set)) {
+            return set;
+        }
+    }
+    throw std::invalid_argument("--isa: '" + std::string(text) + "' is not scalar, avx2 or avx512");
+}
+
+}  // namespace
+
+Options parse(int argumentCount, const char* const* arguments) {
+    Options options;
+    for (int i = 1; i < argumentCount; ++i) {
+        const std::string_view argument = arguments[i];
+        const auto next = [&]() -> std::string_view {
+            if (i + 1 >= argumentCount) {
+                throw std::invalid_argument(std::string(argument) + ": a value is missing");
+            }
+            return arguments[++i];
+        };
+        const auto list = [&](std::vector<std::string>& values) {
+            values.emplace_back(next());
+            while (i + 1 < argumentCount && !std::string_view(arguments[i + 1]).starts_with("--")) {
+                values.emplace_back(arguments[++i]);
+            }
+        };
+        if (argument == "--help" || argument == "-h") {
+            options.help = true;
+        } else if (argument == "--quick") {
+            options.quick = true;
+        } else if (argument == "--mesh") {
+            list(options.meshes);
+        } else if (argument == "--scenario") {
+            list(options.scenarios);
+        } else if (argument == "--poses") {
+            options.poses = number(argument, next(), 1, 10'000'000);
+        } else if (argument == "--repetitions") {
+            options.repetitions = number(argument, next(), 1, 1000);
+        } else if (argument == "--seed") {
+            options.seed = number(argument, next(), std::uint64_t{0}, ~std::uint64_t{0});
+        } else if (argument == "--json") {
+            options.jsonFile = next();
+        } else if (argument == "--isa") {
+            options.instructionSet = instructionSetNamed(next());
+        } else if (options.suite.empty() && (argument == "decide" || argument == "scene")) {
+            options.suite = argument;
+        } else {
+            throw std::invalid_argument("'" + std::string(argument) + "' is not understood");
+        }
+    }
+    if (options.suite.empty() && !options.help) {
+        throw std::invalid_argument("which suite?");
+    }
+    return options;
+}
+
+std::string usage() {
+    return R"(grapeshot_bench SUITE [options]
+
+  decide   exact yes/no against FCL, Zachmann's procedure
+  scene    Bullet scenes against GImpact
+
+  --mesh FILE...        these meshes instead of the generated ones (decide)
+  --scenario NAME...    only these scenarios
+  --quick               a small sample: answers are checked, times are printed but not claimed
+  --poses N             poses per mesh (decide)
+  --repetitions N       of every timed measurement
+  --seed S              of poses and scenes
+  --isa SET             scalar, avx2 or avx512 at most
+  --json FILE           write the rows there
+
+Exit code: 0 all claims hold, 1 a claim failed, 2 bad use.
+)";
+}
+
+}  // namespace grapeshot::bench

@@ -1,0 +1,74 @@
+#include "rest_scenes.hpp"
+
+#include <Eigen/Geometry>
+#include <numbers>
+
+namespace grapeshot::test {
+
+using namespace scenes;
+
+namespace {
+
+PoseD at(double x, double y, double z, double angle = 0, const Eigen::Vector3d& axis = Eigen::Vector3d::UnitY()) {
+    return {Eigen::AngleAxisd(angle, axis).toRotationMatrix(), {x, y, z}};
+}
+
+std::size_t add(World& world, const Mesh& fixed, const Mesh& moving, const PoseD& start) {
+    world.addBody(world.addMesh(fixed), PoseD{}, 0);
+    return world.addBody(world.addMesh(moving), start, 1);
+}
+
+}  // namespace
+
+std::string_view name(RestScene scene) noexcept {
+    switch (scene) {
+        case RestScene::uOnBar:
+            return "u_on_bar";
+        case RestScene::crossInHole:
+            return "cross_in_hole";
+        case RestScene::interlockedTori:
+            return "interlocked_tori";
+        case RestScene::torusOnTorus:
+            return "torus_on_torus";
+        case RestScene::ballInCup:
+            return "ball_in_cup";
+    }
+    return "unknown";
+}
+
+std::size_t addRestScene(World& world, RestScene scene) {
+    const double quarter = std::numbers::pi / 2;
+    switch (scene) {
+        case RestScene::uOnBar:
+            return add(world, box({2.0F, 0.25F, 0.25F}, 4), uBody(1.6F, 1.0F, 0.3F, 0.6F, 3),
+                       at(0, 1.2, 0.05, quarter + 0.1));
+        case RestScene::crossInHole:
+            return add(world,
+                       merged(plateWithCrossHole(2.0F, 0.5F, 1.0F, 0.5F, 0.06F, 2), box({2.0F, 0.25F, 2.0F}, 4),
+                              {0, -0.75F, 0}),
+                       crossPlug(1.0F, 0.5F, 1.2F, 3), at(0.01, 1.2, -0.01, 0.01));
+        case RestScene::interlockedTori:
+            return add(world, torus(1.0F, 0.25F, 48, 24), torus(1.0F, 0.25F, 48, 24),
+                       at(1.0, 0, 0.02, quarter, Eigen::Vector3d::UnitX()));
+        case RestScene::torusOnTorus:
+            return add(world, torus(1.0F, 0.25F, 48, 24), torus(0.8F, 0.25F, 48, 24), at(0.02, 0.6, 0.01, 0.05));
+        case RestScene::ballInCup:
+            return add(world, cup(1.0F, 0.15F, 1.2F, 48, 12), bumpySphere(0.5F, 0.12F, 5, 10, 19),
+                       at(0.15, 0.9, 0.1, 0.4));
+    }
+    return 0;
+}
+
+WorldSettings undamped(Engine engine, double margin) {
+    WorldSettings settings;
+    settings.engine = engine;
+    settings.margin = margin;
+    settings.sleeping = false;
+    settings.linearDamping = 0;
+    settings.angularDamping = 0;
+    settings.lower = Eigen::Vector3d::Constant(-10);
+    settings.upper = Eigen::Vector3d::Constant(10);
+    return settings;
+}
+
+}  // namespace grapeshot::test
