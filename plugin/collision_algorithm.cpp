@@ -1,0 +1,89 @@
+#include <grapeshot/plugin/collision_algorithm.hpp>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btEmptyCollisionAlgorithm.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <new>
+
+#include <grapeshot/plugin/detail/pair_processor.hpp>
+#include <grapeshot/plugin/registration.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+
+using detail::Context;
+using detail::PairProcessor;
+
+AdbCollisionAlgorithm::AdbCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
+                                             std::shared_ptr<Context> context, bool query) noexcept
+    : btActivatingCollisionAlgorithm(info) {
+    try {
+        m_pair = new PairProcessor(info, std::move(context), query);
+    } catch (...) {
+        m_pair = nullptr;
+    }
+}
+
+AdbCollisionAlgorithm::~AdbCollisionAlgorithm() {
+    delete m_pair;
+}
+
+void AdbCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
+                                             const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
+                                             btManifoldResult* result) noexcept {
+    BT_PROFILE("grapeshot.pair");
+    if (m_pair == nullptr) {
+        return;
+    }
+    try {
+        m_pair->process(*body0, *body1, info, *result);
+    } catch (...) {
+        // Out of memory: the contacts of the last step stay, the next step tries again.
+    }
+}
+
+btScalar AdbCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                                      btManifoldResult*) noexcept {
+    return 1;
+}
+
+void AdbCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) noexcept {
+    if (m_pair != nullptr) {
+        m_pair->collectManifolds(manifolds);
+    }
+}
+
+AdbCollisionAlgorithm::CreateFunc::CreateFunc(const Settings& settings, bool query)
+    : m_own(std::make_shared<Context>(settings)), m_context(m_own.get()), m_query(query) {}
+
+AdbCollisionAlgorithm::CreateFunc::CreateFunc(Context& context, bool query) noexcept
+    : m_context(&context), m_query(query) {}
+
+btCollisionAlgorithm* AdbCollisionAlgorithm::CreateFunc::CreateCollisionAlgorithm(
+    btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
+    const btCollisionObjectWrapper* body1) noexcept {
+    const detail::PairKind kind =
+        detail::kindOf(*body0->getCollisionShape(), *body1->getCollisionShape(), m_context->settings.convexPairs);
+    if (kind == detail::PairKind::foreign) {
+        btCollisionAlgorithm* foreign =
+            m_context->createForeign(info, body0, body1, m_query ? detail::Table::closest : detail::Table::contacts);
+        if (foreign != nullptr) {
+            return foreign;
+        }
+        void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(btEmptyAlgorithm)));
+        return new (place) btEmptyAlgorithm(info);
+    }
+    ++m_context->statistics.algorithms;
+    void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(AdbCollisionAlgorithm)));
+    return new (place) AdbCollisionAlgorithm(info, m_context->shared_from_this(), m_query);
+}
+
+Status AdbCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher) noexcept {
+    Settings settings;
+    settings.method = Method::adb;
+    return registerAlgorithms(dispatcher, settings);
+}
+
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,67 @@
+// The algorithm itself, for programs that fill a dispatcher's tables on their own.
+#pragma once
+
+#include <BulletCollision/CollisionDispatch/btActivatingCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+
+#include <memory>
+
+#include <grapeshot/plugin/settings.hpp>
+#include <grapeshot/plugin/status.hpp>
+
+class btCollisionDispatcher;
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+
+namespace detail {
+struct Context;
+class PairProcessor;
+}  // namespace detail
+
+/// One pair of shapes, at least one of them a mesh: average-distribution trees against each other, or one against a
+/// plane or a convex shape. Lives in the dispatcher's pool, whose slots have 192 bytes, unchecked: so everything is
+/// behind a pointer.
+class AdbCollisionAlgorithm final : public btActivatingCollisionAlgorithm {
+  public:
+    /// `query`: made for contactTest and contactPairTest, without memory of earlier steps.
+    AdbCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<detail::Context> context,
+                          bool query) noexcept;
+    AdbCollisionAlgorithm(const AdbCollisionAlgorithm&) = delete;
+    AdbCollisionAlgorithm& operator=(const AdbCollisionAlgorithm&) = delete;
+    ~AdbCollisionAlgorithm() override;
+
+    void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+                          const btDispatcherInfo& info, btManifoldResult* result) noexcept override;
+    /// Always 1: nobody in Bullet asks. Fast bodies are caught by contacts ahead of time.
+    btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
+                                   btManifoldResult* result) noexcept override;
+    void getAllContactManifolds(btManifoldArray& manifolds) noexcept override;
+
+    /// Looks at the two shapes when a pair is made: what is not ours goes to whoever was there before.
+    class CreateFunc final : public btCollisionAlgorithmCreateFunc {
+      public:
+        /// For one cell or more of a dispatcher's contact table, or (`query`) of its closest-point table. Must outlive
+        /// the dispatcher's pairs. Not needed with registerAlgorithms.
+        explicit CreateFunc(const Settings& settings = {}, bool query = false);
+        CreateFunc(detail::Context& context, bool query) noexcept;
+        btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                       const btCollisionObjectWrapper* body0,
+                                                       const btCollisionObjectWrapper* body1) noexcept override;
+
+      private:
+        std::shared_ptr<detail::Context> m_own;  // null if the context owns this
+        detail::Context* m_context;
+        bool m_query;
+    };
+
+    /// As registerAlgorithms, with Settings::method adb.
+    static Status registerAlgorithm(btCollisionDispatcher* dispatcher) noexcept;
+
+  private:
+    detail::PairProcessor* m_pair = nullptr;  // null: out of memory
+};
+static_assert(sizeof(AdbCollisionAlgorithm) <= 64);
+
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,206 @@
+#include <grapeshot/plugin/detail/context.hpp>
+
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include <grapeshot/plugin/detail/shape_kind.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+constexpr std::array meshTypes{TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE,
+                               GIMPACT_SHAPE_PROXYTYPE};
+// Concave kinds that we do not know. Compounds are Bullet's own recursion, soft bodies another configuration's.
+constexpr std::array unknownTypes{FAST_CONCAVE_MESH_PROXYTYPE, TERRAIN_SHAPE_PROXYTYPE,
+                                  MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE, STATIC_PLANE_PROXYTYPE,
+                                  CUSTOM_CONCAVE_SHAPE_TYPE};
+
+std::uint64_t nextSerial() {
+    static std::atomic<std::uint64_t> last = 0;
+    return ++last;
+}
+
+}  // namespace
+
+Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()) {
+    creators[0] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, false);
+    creators[1] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, true);
+    gimpact = std::make_unique<btGImpactCollisionAlgorithm::CreateFunc>();
+}
+
+Context::~Context() = default;
+
+void Context::take(btCollisionDispatcher& dispatcher, Table table, int first, int second) {
+    btCollisionAlgorithmCreateFunc* ours = creators[static_cast<std::size_t>(table)].get();
+    btCollisionAlgorithmCreateFunc* present = creatorIn(dispatcher, table, first, second);
+    if (present == ours) {
+        return;
+    }
+    const auto known = std::find_if(cells.begin(), cells.end(), [&](const Cell& cell) {
+        return cell.table == table && cell.first == first && cell.second == second;
+    });
+    Cell& cell = known != cells.end() ? *known : cells.emplace_back();
+    cell = {table, first, second, present, present == nullptr || present == emptyCreatorIn(dispatcher, table)};
+    setCreator(dispatcher, table, first, second, ours);
+}
+
+void Context::install(btCollisionDispatcher& dispatcher) {
+    cells.reserve(256);  // so that nothing below can fail half way
+    const auto isGImpactSolid = [](const Cell& cell) {
+        const int other = cell.first == GIMPACT_SHAPE_PROXYTYPE ? cell.second : cell.first;
+        return other == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(other);
+    };
+    if (!settings.convexPairs) {
+        // They may be ours from an earlier call.
+        std::erase_if(cells, [&](const Cell& cell) {
+            if (isGImpactSolid(cell)) {
+                giveBack(dispatcher, cell);
+                return true;
+            }
+            return false;
+        });
+    }
+    for (const Table table : {Table::contacts, Table::closest}) {
+        for (const int first : meshTypes) {
+            for (const int second : meshTypes) {
+                take(dispatcher, table, first, second);
+            }
+        }
+        const auto takeBoth = [&](int other) {
+            take(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
+            take(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
+        };
+        if (settings.convexPairs) {
+            takeBoth(STATIC_PLANE_PROXYTYPE);
+            for (int other = 0; other < CONCAVE_SHAPES_START_HERE; ++other) {
+                takeBoth(other);
+            }
+        }
+        btCollisionAlgorithmCreateFunc* empty = emptyCreatorIn(dispatcher, table);
+        for (const int other : unknownTypes) {
+            if (creatorIn(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other) == empty) {
+                take(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
+            }
+            if (creatorIn(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE) == empty) {
+                take(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
+            }
+        }
+    }
+}
+
+void Context::giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const {
+    if (creatorIn(dispatcher, cell.table, cell.first, cell.second) ==
+        creators[static_cast<std::size_t>(cell.table)].get()) {
+        setCreator(dispatcher, cell.table, cell.first, cell.second, cell.previous);
+    }
+}
+
+bool Context::uninstall(btCollisionDispatcher& dispatcher) {
+    const bool allHeld = heldCells(dispatcher) == cells.size();
+    for (const Cell& cell : cells) {
+        giveBack(dispatcher, cell);
+    }
+    return allHeld;
+}
+
+std::size_t Context::heldCells(const btCollisionDispatcher& dispatcher) const {
+    return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](const Cell& cell) {
+        return creatorIn(dispatcher, cell.table, cell.first, cell.second) ==
+               creators[static_cast<std::size_t>(cell.table)].get();
+    }));
+}
+
+btCollisionAlgorithm* Context::createForeign(btCollisionAlgorithmConstructionInfo& info,
+                                             const btCollisionObjectWrapper* body0,
+                                             const btCollisionObjectWrapper* body1, Table table) {
+    const btCollisionShape& first = *body0->getCollisionShape();
+    const btCollisionShape& second = *body1->getCollisionShape();
+    const auto cell = std::find_if(cells.begin(), cells.end(), [&](const Cell& candidate) {
+        return candidate.table == table && candidate.first == first.getShapeType() &&
+               candidate.second == second.getShapeType();
+    });
+    const bool none = cell == cells.end() || cell->wasEmpty;
+    if (none && (isGImpact(first) || isGImpact(second))) {
+        ++statistics.fallbacks;
+        return gimpact->CreateCollisionAlgorithm(info, body0, body1);
+    }
+    return cell != cells.end() && cell->previous != nullptr
+               ? cell->previous->CreateCollisionAlgorithm(info, body0, body1)
+               : nullptr;
+}
+
+std::uint64_t Context::enterStep(std::uint64_t lastStep) {
+    StepStatistics& s = statistics;
+    if (s.step == 0 || lastStep == s.step) {
+        ++s.step;
+        s.work = s.candidates = s.droppedRegions = 0;
+        s.contacts = s.speculative = s.manifolds = s.traversals = s.uncertain = s.refused = 0;
+        s.deepest = 0;
+        s.pairs.clear();
+    }
+    return s.step;
+}
+
+void Context::record(const PairStatistics& pair) {
+    StepStatistics& s = statistics;
+    s.work += pair.work;
+    s.candidates += pair.candidates;
+    s.droppedRegions += pair.droppedRegions;
+    s.contacts += pair.contacts;
+    s.speculative += pair.speculative;
+    s.manifolds += pair.manifolds;
+    s.traversals += pair.traversed ? 1 : 0;
+    s.uncertain += pair.stop == StopReason::budget ? 1 : 0;
+    s.deepest = std::max(s.deepest, pair.deepest);
+    s.pairs.push_back(pair);
+}
+
+void Context::refuse(PairStatistics pair, const std::string& reason) {
+    pair.stop = StopReason::invalidInput;
+    record(pair);
+    ++statistics.refused;
+    ++statistics.refusals;
+    statistics.lastRefusal = reason;
+}
+
+Contexts& Contexts::instance() {
+    // Never destroyed: a program's last dispatcher may be destroyed later than static objects.
+    static Contexts& contexts = *new Contexts;
+    return contexts;
+}
+
+std::shared_ptr<Context> Contexts::find(const btCollisionDispatcher* dispatcher) {
+    const std::lock_guard lock(m_mutex);
+    const auto item = std::find_if(m_items.begin(), m_items.end(),
+                                   [dispatcher](const Item& candidate) { return candidate.dispatcher == dispatcher; });
+    return item != m_items.end() ? item->context : nullptr;
+}
+
+void Contexts::insert(const btCollisionDispatcher* dispatcher, std::shared_ptr<Context> context) {
+    remove(dispatcher, false);
+    const std::lock_guard lock(m_mutex);
+    m_items.push_back({dispatcher, std::move(context)});
+}
+
+void Contexts::remove(const btCollisionDispatcher* dispatcher, bool keep) {
+    const std::lock_guard lock(m_mutex);
+    const auto item = std::find_if(m_items.begin(), m_items.end(),
+                                   [dispatcher](const Item& candidate) { return candidate.dispatcher == dispatcher; });
+    if (item == m_items.end()) {
+        return;
+    }
+    if (keep) {
+        m_kept.push_back(item->context);
+    }
+    m_items.erase(item);
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,86 @@
+// All that belongs to one dispatcher, found again by its address.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <grapeshot/plugin/collision_algorithm.hpp>
+#include <grapeshot/plugin/detail/dispatch_tables.hpp>
+#include <grapeshot/plugin/settings.hpp>
+#include <grapeshot/plugin/statistics.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+/// One place in the tables that we took, and who had it.
+struct Cell {
+    Table table = Table::contacts;
+    int first = 0;
+    int second = 0;
+    btCollisionAlgorithmCreateFunc* previous = nullptr;
+    bool wasEmpty = false;  ///< it was Bullet's empty algorithm
+};
+
+/// Every algorithm holds its context, so that it outlives them all.
+struct Context : std::enable_shared_from_this<Context> {
+    explicit Context(const Settings& chosen);
+    ~Context();
+
+    /// Takes (again) all places in the tables.
+    void install(btCollisionDispatcher& dispatcher);
+    /// Gives them back. False if somebody else holds one of them.
+    bool uninstall(btCollisionDispatcher& dispatcher);
+    [[nodiscard]] std::size_t heldCells(const btCollisionDispatcher& dispatcher) const;
+
+    /// An algorithm for what is not ours: from whoever had the place, else Bullet's GImpact algorithm if a GImpact
+    /// shape is in it. Null if there is none.
+    btCollisionAlgorithm* createForeign(btCollisionAlgorithmConstructionInfo& info,
+                                        const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+                                        Table table);
+
+    /// A pair comes by that was last processed in `lastStep` (0: never): begins a new step if it was this one. Returns
+    /// the step.
+    std::uint64_t enterStep(std::uint64_t lastStep);
+    /// Adds the pair to the sums of the step.
+    void record(const PairStatistics& pair);
+    void refuse(PairStatistics pair, const std::string& reason);
+
+    Settings settings;
+    StepStatistics statistics;
+    std::vector<Cell> cells;
+    std::array<std::unique_ptr<AdbCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table
+    std::unique_ptr<btCollisionAlgorithmCreateFunc> gimpact;
+    std::uint64_t serial = 0;  ///< different for each context of the process
+
+  private:
+    void take(btCollisionDispatcher& dispatcher, Table table, int first, int second);
+    void giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const;
+};
+
+/// Contexts by dispatcher.
+class Contexts {
+  public:
+    static Contexts& instance();
+    /// Null if there is none for this address.
+    std::shared_ptr<Context> find(const btCollisionDispatcher* dispatcher);
+    void insert(const btCollisionDispatcher* dispatcher, std::shared_ptr<Context> context);
+    /// `keep`: somebody may still hold our creators as his previous ones.
+    void remove(const btCollisionDispatcher* dispatcher, bool keep);
+
+  private:
+    struct Item {
+        const btCollisionDispatcher* dispatcher = nullptr;
+        std::shared_ptr<Context> context;
+    };
+    std::mutex m_mutex;
+    std::vector<Item> m_items;
+    std::vector<std::shared_ptr<Context>> m_kept;
+};
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,137 @@
+#include <grapeshot/plugin/detail/pair_contacts.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <grapeshot/plugin/detail/convert.hpp>
+#include <grapeshot/plugin/detail/swept_contacts.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+/// Of a plate its thickness, of a ball two thirds of its radius; 0 for sheets.
+float thicknessOf(const MeshModel& model) {
+    return model.solid && model.report.area > 0 ? static_cast<float>(2 * model.report.volume / model.report.area)
+                                                : 0.0F;
+}
+
+float halfDiagonal(const MeshModel& model) {
+    return (model.tree.upper - model.tree.lower).norm() / 2;
+}
+
+void clear(ContactSet& set) {
+    set.slots.clear();
+    set.droppedRegions = 0;
+}
+
+}  // namespace
+
+PairSize sizeOf(const PairShapes& shapes) {
+    PairSize size;
+    const MeshModel& a = *shapes.modelA->mesh;
+    const SolidSize b = shapes.modelB ? SolidSize{halfDiagonal(*shapes.modelB->mesh), thicknessOf(*shapes.modelB->mesh)}
+                                      : sizeOf(*shapes.b->getCollisionShape());
+    const float thicknessA = thicknessOf(a);
+    size.size = std::max(std::min(halfDiagonal(a), b.halfDiagonal), 1e-6F);
+    // A sheet stops whatever has an inside; that one's thickness counts.
+    size.thickness =
+        thicknessA > 0 && b.thickness > 0 ? std::min(thicknessA, b.thickness) : std::max(thicknessA, b.thickness);
+    return size;
+}
+
+PairSettings pairSettings(const PairTask& task) {
+    const Settings& chosen = *task.settings;
+    PairSettings settings;
+    settings.maxDistance = task.maxDistance;
+    settings.slack = chosen.slack * task.size.size;
+    settings.interior = chosen.interior;
+    settings.local.lean = chosen.lean;
+    settings.local.maxDistance = task.maxDistance;
+    settings.set.maxDistance = task.maxDistance;
+    settings.set.mergeDistance = chosen.mergeDistance * task.size.size;
+    settings.set.maxRegions = chosen.maxManifolds;
+    settings.set.regions.spacing = chosen.contactSpacing * task.size.size;
+    return settings;
+}
+
+PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
+    clear(m_ahead);
+    const PairSettings settings = pairSettings(task);
+    const Pose pose = toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()));
+    PairResult result = shapes.modelB
+                            ? update(*shapes.modelA->mesh, *shapes.modelB->mesh, pose, settings, task.budget, m_state)
+                            : stepSolid(shapes, task, settings, pose);
+    if (result.stop == StopReason::invalidInput) {
+        clear(m_state.contacts);
+        return result;
+    }
+    if (task.closestDistance > task.maxDistance) {
+        findClosest(shapes, task, settings, pose, result);
+    }
+    if (task.timeStep > 0 && task.settings->speculative) {
+        result.work += sweptContacts(shapes, task, settings, m_state.contacts, m_ahead);
+    }
+    return result;
+}
+
+PairResult PairContacts::stepSolid(const PairShapes& shapes, const PairTask&, const PairSettings& settings,
+                                   const Pose& pose) {
+    PairResult result;
+    ++m_state.step;
+    if (!isRigid(pose) || !std::isfinite(settings.maxDistance)) {
+        return result;
+    }
+    thread_local std::vector<SurfaceContact> found;
+    found.clear();
+    refresh(m_state.contacts, pose, settings.set);
+    const btCollisionShape& solid = *shapes.b->getCollisionShape();
+    const PlacedSolid placed{&solid, relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform())};
+    result.work = solidContacts(*shapes.modelA->mesh, placed, settings.maxDistance, settings.local, found);
+    merge(m_state.contacts, found, pose, isComplete(solid), settings.set);
+    result.rawContacts = static_cast<std::uint32_t>(found.size());
+    result.collides = std::any_of(found.begin(), found.end(),
+                                  [](const SurfaceContact& contact) { return contact.signedDistance <= 0; });
+    result.traversed = true;
+    result.certain = isComplete(solid);
+    result.stop = StopReason::certain;
+    return result;
+}
+
+/// Only if there is no contact: looks twice as far until there is something.
+void PairContacts::findClosest(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,
+                               const Pose& pose, PairResult& result) {
+    const auto isUsed = [](const RegionSlot& slot) { return slot.count > 0; };
+    if (std::any_of(m_state.contacts.slots.begin(), m_state.contacts.slots.end(), isUsed)) {
+        return;
+    }
+    std::vector<SurfaceContact> found;
+    for (float reach = std::max(task.maxDistance, 0.01F * task.size.size); found.empty();) {
+        reach = std::min(2 * reach, task.closestDistance);
+        result.work += nearContacts(shapes, pose, reach, settings, task.budget, found);
+        if (reach >= task.closestDistance) {
+            break;
+        }
+    }
+    const auto nearest = std::min_element(found.begin(), found.end(), [](const auto& left, const auto& right) {
+        return left.signedDistance < right.signedDistance;
+    });
+    if (nearest != found.end()) {
+        ContactSetSettings set = settings.set;
+        set.maxDistance = task.closestDistance;
+        merge(m_state.contacts, {&*nearest, 1}, pose, true, set);
+    }
+}
+
+void PairContacts::forget() {
+    clear(m_state.contacts);
+    clear(m_ahead);
+    m_state.candidates.clear();
+    m_state.candidateDistance = -1;
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

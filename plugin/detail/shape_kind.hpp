@@ -1,0 +1,35 @@
+// Which shapes are whose.
+#pragma once
+
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+
+#include <grapeshot/plugin/precision.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+/// A triangle mesh that we read: GImpact mesh or part, BVH mesh, scaled BVH mesh.
+[[nodiscard]] bool isMesh(const btCollisionShape& shape);
+/// One of GImpact's kinds, compound included.
+[[nodiscard]] bool isGImpact(const btCollisionShape& shape);
+/// A plane or a convex shape.
+[[nodiscard]] bool isSolid(const btCollisionShape& shape);
+
+enum class PairKind {
+    foreign,  ///< not ours
+    meshMesh,
+    meshSolid,  ///< the mesh is the first body
+    solidMesh,
+};
+
+/// BVH meshes against solids stay Bullet's.
+[[nodiscard]] PairKind kindOf(const btCollisionShape& first, const btCollisionShape& second, bool convexPairs);
+
+/// Distance that a mesh keeps from others, m; never negative or NaN. A GImpact mesh keeps its margin in its parts: its
+/// own is that of a concave shape, 0, unless it was set through the mesh.
+[[nodiscard]] btScalar marginOf(const btCollisionShape& mesh);
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,200 @@
+#include <grapeshot/plugin/detail/shape_mesh.hpp>
+
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include <grapeshot/core/error.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+// Arrays of any alignment.
+template <class T>
+T readAs(const unsigned char* from) {
+    T value;
+    std::memcpy(&value, from, sizeof value);
+    return value;
+}
+
+template <class T>
+Triangle readTriangle(const unsigned char* from) {
+    const auto corner = readAs<std::array<T, 3>>(from);
+    return {corner[0], corner[1], corner[2]};
+}
+
+std::size_t sizeOf(PHY_ScalarType type) {
+    switch (type) {
+        case PHY_FLOAT:
+            return sizeof(float);
+        case PHY_DOUBLE:
+            return sizeof(double);
+        case PHY_INTEGER:
+            return sizeof(std::uint32_t);
+        case PHY_SHORT:
+            return sizeof(std::uint16_t);
+        case PHY_UCHAR:
+            return sizeof(std::uint8_t);
+        default:
+            return 0;
+    }
+}
+
+void require(bool condition, Fault fault, const std::string& detail, const std::string& place) {
+    if (!condition) {
+        throw Error(fault, detail, place);
+    }
+}
+
+void addSource(const btStridingMeshInterface* mesh, int part, const btVector3& scale, const btVector3& further,
+               std::vector<PartSource>& sources) {
+    const std::string place = "part " + std::to_string(part);
+    require(mesh != nullptr, Fault::emptyMesh, "no mesh interface", place);
+    require(part >= 0 && part < mesh->getNumSubParts(), Fault::indexOutOfRange, "no such part", place);
+    PartSource source;
+    source.mesh = mesh;
+    source.part = part;
+    mesh->getLockedReadOnlyVertexIndexBase(&source.vertexBase, source.vertices, source.vertexType, source.vertexStride,
+                                           &source.indexBase, source.indexStride, source.triangles, source.indexType,
+                                           part);
+    mesh->unLockReadOnlyVertexBase(part);
+    for (int axis = 0; axis < 3; ++axis) {
+        source.scale[axis] = static_cast<double>(scale[axis]) * static_cast<double>(further[axis]);
+        require(std::isfinite(source.scale[axis]) && source.scale[axis] != 0, Fault::badSetting,
+                "scale " + std::to_string(source.scale[axis]), place);
+    }
+    require(source.vertices >= 0 && source.triangles >= 0, Fault::badSetting, "a negative count", place);
+    require(source.vertexBase != nullptr && source.indexBase != nullptr && source.vertices > 0 && source.triangles > 0,
+            Fault::emptyMesh, "no vertices or no triangles", place);
+    require(source.vertexType == PHY_FLOAT || source.vertexType == PHY_DOUBLE, Fault::badSetting,
+            "vertices of type " + std::to_string(source.vertexType), place);
+    require(source.indexType == PHY_INTEGER || source.indexType == PHY_SHORT || source.indexType == PHY_UCHAR,
+            Fault::badSetting, "indices of type " + std::to_string(source.indexType), place);
+    require(source.vertexStride >= 0 && source.indexStride >= 0, Fault::badSetting, "a negative stride", place);
+    sources.push_back(source);
+}
+
+void addPart(const btGImpactMeshShapePart& part, std::vector<PartSource>& sources) {
+    // Bullet forgot the const; nothing is changed.
+    const auto* manager = const_cast<btGImpactMeshShapePart&>(part).getTrimeshPrimitiveManager();
+    addSource(manager->m_meshInterface, part.getPart(), part.getLocalScaling(), {1, 1, 1}, sources);
+}
+
+void addAllParts(const btStridingMeshInterface* mesh, const btVector3& further, std::vector<PartSource>& sources) {
+    require(mesh != nullptr, Fault::emptyMesh, "no mesh interface", "shape");
+    for (int part = 0; part < mesh->getNumSubParts(); ++part) {
+        addSource(mesh, part, mesh->getScaling(), further, sources);
+    }
+}
+
+}  // namespace
+
+TriangleId idOf(std::span<const MeshPart> parts, std::uint32_t triangle) {
+    const auto after =
+        std::upper_bound(parts.begin(), parts.end(), triangle,
+                         [](std::uint32_t value, const MeshPart& part) { return value < part.firstTriangle; });
+    if (after == parts.begin()) {
+        return {};
+    }
+    const MeshPart& part = *(after - 1);
+    return {part.part, static_cast<int>(triangle - part.firstTriangle)};
+}
+
+Eigen::Vector3f PartSource::vertex(int index) const {
+    const unsigned char* from = vertexBase + static_cast<std::ptrdiff_t>(index) * vertexStride;
+    Eigen::Vector3f result;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(axis) * sizeOf(vertexType));
+        const double value =
+            vertexType == PHY_FLOAT ? static_cast<double>(readAs<float>(from + at)) : readAs<double>(from + at);
+        const double scaled = value * scale[axis];
+        // Beyond single precision (where the conversion would be undefined) is no number.
+        result[axis] = std::abs(scaled) <= 3.4e38 ? static_cast<float>(scaled) : NAN;
+    }
+    return result;
+}
+
+Triangle PartSource::triangle(int index) const {
+    const unsigned char* from = indexBase + static_cast<std::ptrdiff_t>(index) * indexStride;
+    Triangle result = indexType == PHY_INTEGER ? readTriangle<std::uint32_t>(from)
+                      : indexType == PHY_SHORT ? readTriangle<std::uint16_t>(from)
+                                               : readTriangle<std::uint8_t>(from);
+    if (scale[0] * scale[1] * scale[2] < 0) {
+        std::swap(result[1], result[2]);
+    }
+    return result;
+}
+
+void sourcesOf(const btCollisionShape& shape, std::vector<PartSource>& sources) {
+    const btVector3 unscaled(1, 1, 1);
+    switch (shape.getShapeType()) {
+        case GIMPACT_SHAPE_PROXYTYPE: {
+            const auto& gimpact = static_cast<const btGImpactShapeInterface&>(shape);
+            if (gimpact.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE_PART) {
+                addPart(static_cast<const btGImpactMeshShapePart&>(gimpact), sources);
+            } else {
+                const auto& mesh = static_cast<const btGImpactMeshShape&>(gimpact);
+                for (int i = 0; i < mesh.getMeshPartCount(); ++i) {
+                    addPart(*mesh.getMeshPart(i), sources);
+                }
+            }
+            break;
+        }
+        case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+            addAllParts(static_cast<const btBvhTriangleMeshShape&>(shape).getMeshInterface(), unscaled, sources);
+            break;
+        case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE: {
+            const auto& scaled = static_cast<const btScaledBvhTriangleMeshShape&>(shape);
+            addAllParts(scaled.getChildShape()->getMeshInterface(), scaled.getLocalScaling(), sources);
+            break;
+        }
+        default:
+            break;
+    }
+    require(!sources.empty(), Fault::emptyMesh, "no parts", "shape");
+}
+
+ShapeMesh readMesh(std::span<const PartSource> sources) {
+    std::uint64_t vertices = 0;
+    std::uint64_t triangles = 0;
+    for (const PartSource& source : sources) {
+        vertices += static_cast<std::uint64_t>(source.vertices);
+        triangles += static_cast<std::uint64_t>(source.triangles);
+    }
+    require(vertices < 0x7fffffffU && triangles < 0x7fffffffU, Fault::tooLarge, "more than 2^31 vertices or triangles",
+            "shape");
+    ShapeMesh mesh;
+    mesh.vertices.reserve(vertices);
+    mesh.triangles.reserve(triangles);
+    for (const PartSource& source : sources) {
+        const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.parts.push_back({source.part, static_cast<std::uint32_t>(mesh.triangles.size())});
+        for (int i = 0; i < source.vertices; ++i) {
+            mesh.vertices.push_back(source.vertex(i));
+        }
+        for (int i = 0; i < source.triangles; ++i) {
+            Triangle triangle = source.triangle(i);
+            for (std::uint32_t& corner : triangle) {
+                // Here and not later: behind the last vertex of one part are those of the next.
+                require(corner < static_cast<std::uint32_t>(source.vertices), Fault::indexOutOfRange,
+                        "vertex " + std::to_string(corner) + " of " + std::to_string(source.vertices),
+                        "triangle " + std::to_string(i) + " of part " + std::to_string(source.part));
+                corner += base;
+            }
+            mesh.triangles.push_back(triangle);
+        }
+    }
+    return mesh;
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,29 @@
+// Contacts ahead of time: where the motion of the coming step will bring two surfaces together that are still apart.
+//
+// Bullet stops only convex shapes on their way, with a swept sphere. But its solver takes contacts with a positive
+// distance and lets bodies approach by no more than that in a step. So the motion is tried out in steps of half the
+// thinner body's thickness, and the first contacts on the way are handed over as they are now: apart. What merely lies
+// in the direction of motion is no contact, so nothing trips over planes that it flies past.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <grapeshot/plugin/detail/pair_contacts.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+/// Fills `ahead` (points as they are now, A's and B's frames) if the bodies move fast enough. Not where they touch
+/// already: what rolls on a floor needs no contacts with the floor ahead. Returns the work.
+std::uint64_t sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,
+                            const ContactSet& now, ContactSet& ahead);
+
+/// Local contacts within `reach` for B at a pose in A's frame; appended to `found`. Returns the work.
+std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float reach, const PairSettings& settings,
+                           Budget budget, std::vector<SurfaceContact>& found);
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

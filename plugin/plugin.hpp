@@ -1,0 +1,10 @@
+// All that a Bullet program needs.
+#pragma once
+
+#include <grapeshot/plugin/collision_algorithm.hpp>
+#include <grapeshot/plugin/mass_properties.hpp>
+#include <grapeshot/plugin/registration.hpp>
+#include <grapeshot/plugin/settings.hpp>
+#include <grapeshot/plugin/shape_cache.hpp>
+#include <grapeshot/plugin/statistics.hpp>
+#include <grapeshot/plugin/status.hpp>

@@ -1,0 +1,64 @@
+// What a program may choose. The defaults are meant for games at 60 Hz with bodies of any size.
+#pragma once
+
+#include <cstdint>
+
+#include <grapeshot/core/budget.hpp>
+#include <grapeshot/narrowphase/mesh_model.hpp>
+#include <grapeshot/plugin/precision.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+
+/// How contacts of mesh pairs are found.
+enum class Method {
+    automatic,  ///< the best there is for the pair; today: adb
+    adb,        ///< average-distribution trees, exact triangle tests at the leaves
+};
+
+/// Lengths that are given as shares are multiples of the pair's size: half the diagonal of the box around the smaller
+/// of its two bodies. So one setting serves pebbles and ships.
+struct Settings {
+    Method method = Method::automatic;
+    /// Solid: of two closed meshes one inside the other collides. Surface: only where the surfaces meet; a body inside
+    /// a hollow one is free.
+    Interior interior = Interior::solid;
+    /// Most work (in calls of a 16-wide kernel, about 0.2 us each) or time that a pair of meshes may cost in one step.
+    /// What is cut short keeps its contacts of the last step and goes on in the next. Time gives up reproducibility.
+    Budget pairBudget = {};
+    /// The same for one pair of a query: contactTest, contactPairTest.
+    Budget queryBudget = {};
+    /// Of everything random. Nothing is, so far.
+    std::uint64_t seed = 1;
+    /// Most contact manifolds (of four points each) of a pair: 1..16. More: the solver works longer; fewer: bodies that
+    /// touch in many places rock. The shallowest are left out.
+    int maxManifolds = 8;
+    /// Contacts this near to each other that face the same way share a manifold, as a share of the pair's size: > 0, at
+    /// most 10. Larger: fewer points; smaller: more.
+    float contactSpacing = 0.25F;
+    /// A contact this near to one of the last step is the same one, as a share of the pair's size: > 0, at most 1. Too
+    /// small: contacts lose their impulses while bodies slide; too large: points pile up.
+    float mergeDistance = 0.02F;
+    /// While two bodies have moved against each other by less than this share of the pair's size, the trees are not
+    /// traversed anew: >= 0, at most 1. The contacts are the same. Larger: fewer traversals, more triangle tests.
+    float slack = 0.02F;
+    /// Sine of the angle by which a surface may lean towards the other and still touch with all its corners:
+    /// 0..0.5. See LocalContactSettings::lean.
+    float lean = 0.08F;
+    /// Contacts ahead of time for pairs that move against each other by more than half their thickness in one step, so
+    /// that they do not pass through each other. Costs some further queries for such pairs alone.
+    bool speculative = true;
+    /// Motion of one step beyond this is not looked at, m: >= 0, infinity allowed.
+    float speculativeLimit = 10.0F;
+    /// GImpact meshes against planes and convex shapes too. Off: those pairs keep the algorithm they had.
+    bool convexPairs = true;
+
+    /// Nothing is left out: no budgets, most manifolds.
+    [[nodiscard]] static Settings exact() noexcept;
+};
+
+/// Are all fields within their ranges?
+[[nodiscard]] bool isValid(const Settings& settings) noexcept;
+
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

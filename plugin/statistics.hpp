@@ -1,0 +1,65 @@
+// What the last step cost, and what could not be done.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <grapeshot/core/budget.hpp>
+#include <grapeshot/plugin/precision.hpp>
+
+class btCollisionDispatcher;
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+
+/// One pair of shapes in one step. Children of compound shapes are pairs of their own.
+struct PairStatistics {
+    int proxyA = -1;  ///< ids of the two broadphase proxies (btBroadphaseProxy::getUid), -1 if the body has none
+    int proxyB = -1;
+    std::uint64_t work = 0;                      ///< calls of a 16-wide kernel
+    std::uint32_t candidates = 0;                ///< leaf pairs tested
+    int contacts = 0;                            ///< points given to Bullet
+    int speculative = 0;                         ///< of these, ahead of time
+    int manifolds = 0;                           ///< non-empty ones
+    std::uint32_t droppedRegions = 0;            ///< beyond Settings::maxManifolds
+    float deepest = 0;                           ///< largest penetration, margins included, m; 0 if none
+    bool certain = false;                        ///< nothing within the distance was left out
+    bool traversed = false;                      ///< the trees were traversed, candidates collected anew
+    StopReason stop = StopReason::invalidInput;  ///< invalidInput: refused, no contacts
+};
+
+/// Sums over the pairs of the step, and counts since registration.
+///
+/// Bullet has no sign for the begin of a step that an algorithm could see. A step begins here when a pair comes by for
+/// the second time; so each substep of stepSimulation is one, and what is read after stepSimulation is the last. A step
+/// in which every pair is new, or none is processed, is not told from the one before.
+struct StepStatistics {
+    std::uint64_t step = 0;  ///< counts from 1
+    std::uint64_t work = 0;
+    std::uint64_t candidates = 0;
+    int contacts = 0;
+    int speculative = 0;
+    int manifolds = 0;
+    std::uint64_t droppedRegions = 0;
+    float deepest = 0;                  ///< m
+    int traversals = 0;                 ///< pairs whose trees were traversed
+    int uncertain = 0;                  ///< pairs ended by their budget
+    int refused = 0;                    ///< pairs without an answer: unusable mesh, pose that is not rigid or no number
+    std::string lastRefusal;            ///< why, in words; kept from the last step that had one
+    std::vector<PairStatistics> pairs;  ///< in the order Bullet processed them
+
+    // Since registration.
+    std::uint64_t fallbacks = 0;  ///< pairs handed to Bullet's GImpact algorithm, for want of any other
+    std::uint64_t refusals = 0;   ///< sum of `refused`
+    std::uint64_t queries = 0;    ///< pairs of contactTest and contactPairTest; not counted in steps
+    std::uint64_t queryWork = 0;
+    std::uint64_t algorithms = 0;  ///< made
+};
+
+/// Of a dispatcher that registerAlgorithms knows; of any other, all zero. The reference stays valid until
+/// unregisterAlgorithms, the values until the next step.
+[[nodiscard]] const StepStatistics& statistics(const btCollisionDispatcher* dispatcher) noexcept;
+
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot
