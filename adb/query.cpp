@@ -133,7 +133,7 @@ DescentEnd Query::State::nextLeafPair(std::uint64_t units) {
         queue.pop();
         detail::TouchingChild children[16];
         const int count = detail::touchingChildren(descent, pair, children);
-        for (int i = count; i-- > 0;) {
+        for (int i = 0; i < count; ++i) {
             queue.push(children[i].pair, children[i].margin);
         }
     }

@@ -74,7 +74,7 @@ struct TouchingChild {
     SidePair pair;
     float margin;  ///< m
 };
-/// The touching children of a pair that is not a pair of leaves, smallest margin first. One unit, not counted here.
+/// The touching children of a pair that is not a pair of leaves, in the order of the lanes. One unit, not counted here.
 int touchingChildren(const Descent& descent, SidePair pair, TouchingChild (&children)[16]) noexcept;
 
 }  // namespace grapeshot::detail

@@ -62,6 +62,38 @@ HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
 }
 #endif
 
+/// The four products of PairPose::turn, taken apart again: repeated as B's side or spread as A's side of the sixteen.
+/// From a register in one shuffle where there is one.
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_AVX2
+struct Quarters {
+    alignas(64) float lane[16];
+    HWY_INLINE explicit Quarters(Float16 all) { store(all, lane); }
+    HWY_INLINE Float16 repeated(int quarter) const { return repeatB(lane + 4 * quarter); }
+    HWY_INLINE Float16 spread(int quarter) const { return spreadA(lane + 4 * quarter); }
+};
+#else
+alignas(64) inline constexpr std::int32_t repeatLanes[4][16] = {
+    {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3},
+    {4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7},
+    {8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11},
+    {12, 13, 14, 15, 12, 13, 14, 15, 12, 13, 14, 15, 12, 13, 14, 15}};
+alignas(64) inline constexpr std::int32_t spreadLanes[4][16] = {
+    {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3},
+    {4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7},
+    {8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11},
+    {12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15}};
+struct Quarters {
+    Float16 all;
+    HWY_INLINE explicit Quarters(Float16 lanes) : all(lanes) {}
+    HWY_INLINE Float16 repeated(int quarter) const {
+        return {one::TableLookupLanes(all.all, one::SetTableIndices(Register(), repeatLanes[quarter]))};
+    }
+    HWY_INLINE Float16 spread(int quarter) const {
+        return {one::TableLookupLanes(all.all, one::SetTableIndices(Register(), spreadLanes[quarter]))};
+    }
+};
+#endif
+
 /// All four children of a node, as A's or B's side of the sixteen.
 struct AllOfA {
     const Node* node;
@@ -89,22 +121,20 @@ HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
     const Node& nodeA = *a.node;
     const Node& nodeB = *b.node;
 
-    // Half extents and normals into the other frame, four products at once; through memory, as the lanes must be
-    // spread anew.
-    alignas(64) float turned[3][16];
-    {
-        Float16 in[3];
+    // Half extents and normals into the other frame, four products at once. Only absolute values are needed of them.
+    Float16 in[3];
 #pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            in[i] = together(b.fourOf(nodeB.half[i]), a.fourOf(nodeA.half[i]), b.fourOf(nodeB.normal[i]),
-                             a.fourOf(nodeA.normal[i]));
-        }
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            store(load(pose.turn[i][0]) * in[0] + load(pose.turn[i][1]) * in[1] + load(pose.turn[i][2]) * in[2],
-                  turned[i]);
-        }
+    for (int i = 0; i < 3; ++i) {
+        in[i] = together(b.fourOf(nodeB.half[i]), a.fourOf(nodeA.half[i]), b.fourOf(nodeB.normal[i]),
+                         a.fourOf(nodeA.normal[i]));
     }
+    const auto turned = [&](int row) HWY_ATTR {
+        return Quarters(abs(load(pose.turn[row][0]) * in[0] + load(pose.turn[row][1]) * in[1] +
+                            load(pose.turn[row][2]) * in[2]));
+    };
+    const Quarters turned0 = turned(0);
+    const Quarters turned1 = turned(1);
+    const Quarters turned2 = turned(2);
 
     Float16 apart[3];  // from A's middle to B's, in A's frame
     const Float16 centerB[3] = {b.wideOf(nodeB.center[0]), b.wideOf(nodeB.center[1]), b.wideOf(nodeB.center[2])};
@@ -122,24 +152,23 @@ HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
 
     const Float16 halfA[3] = {a.wideOf(nodeA.half[0]), a.wideOf(nodeA.half[1]), a.wideOf(nodeA.half[2])};
     const Float16 halfB[3] = {b.wideOf(nodeB.half[0]), b.wideOf(nodeB.half[1]), b.wideOf(nodeB.half[2])};
-    Float16 margin = halfA[0] + repeatB(turned[0]) - abs(apart[0]);
-    margin = min(margin, halfA[1] + repeatB(turned[1]) - abs(apart[1]));
-    margin = min(margin, halfA[2] + repeatB(turned[2]) - abs(apart[2]));
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-        margin = min(margin, halfB[i] + spreadA(turned[i] + 4) - abs(apartInB[i]));
-    }
+    Float16 margin = halfA[0] + turned0.repeated(0) - abs(apart[0]);
+    margin = min(margin, halfA[1] + turned1.repeated(0) - abs(apart[1]));
+    margin = min(margin, halfA[2] + turned2.repeated(0) - abs(apart[2]));
+    margin = min(margin, halfB[0] + turned0.spread(1) - abs(apartInB[0]));
+    margin = min(margin, halfB[1] + turned1.spread(1) - abs(apartInB[1]));
+    margin = min(margin, halfB[2] + turned2.spread(1) - abs(apartInB[2]));
 
     const Float16 heightB = a.wideOf(nodeA.normal[0]) * apart[0] + a.wideOf(nodeA.normal[1]) * apart[1] +
                             a.wideOf(nodeA.normal[2]) * apart[2];
-    const Float16 radiusB = abs(spreadA(turned[0] + 12)) * halfB[0] + abs(spreadA(turned[1] + 12)) * halfB[1] +
-                            abs(spreadA(turned[2] + 12)) * halfB[2];
+    const Float16 radiusB = turned0.spread(3) * halfB[0] + turned1.spread(3) * halfB[1] +
+                            turned2.spread(3) * halfB[2];
     margin = min(margin, min(a.wideOf(nodeA.slabHigh) - heightB, heightB - a.wideOf(nodeA.slabLow)) + radiusB);
 
     const Float16 depthA = b.wideOf(nodeB.normal[0]) * apartInB[0] + b.wideOf(nodeB.normal[1]) * apartInB[1] +
                            b.wideOf(nodeB.normal[2]) * apartInB[2];
-    const Float16 radiusA = abs(repeatB(turned[0] + 8)) * halfA[0] + abs(repeatB(turned[1] + 8)) * halfA[1] +
-                            abs(repeatB(turned[2] + 8)) * halfA[2];
+    const Float16 radiusA = turned0.repeated(2) * halfA[0] + turned1.repeated(2) * halfA[1] +
+                            turned2.repeated(2) * halfA[2];
     margin = min(margin, min(b.wideOf(nodeB.slabHigh) + depthA, -depthA - b.wideOf(nodeB.slabLow)) + radiusA);
     return margin;
 }
