@@ -1,5 +1,6 @@
 #include <grapeshot/core/pose.hpp>
 
+#include <Eigen/LU>
 #include <cmath>
 
 namespace grapeshot {
