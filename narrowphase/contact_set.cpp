@@ -316,8 +316,39 @@ void rebuildSlot(int p, const ContactSet& set, std::span<const SurfaceContact> c
     summarise(rebuilt, bInA);
 }
 
+/// Regions of plans beyond the cap go to the nearest slot that faces the same way, so that a foot in many pieces keeps
+/// its support; those without one are left out, and counted.
+void joinOverflow(ContactSet& set, const Pose& bInA, std::size_t cap, const ContactSetSettings& settings, Scratch& s) {
+    const auto place = [&](int p) -> std::pair<Eigen::Vector3f, Eigen::Vector3f> {  // centre, normal
+        const Plan& plan = s.plans[static_cast<std::size_t>(p)];
+        if (plan.slot == freeSlot) {
+            return {s.groups.regions[plan.region].center, s.groups.regions[plan.region].normal};
+        }
+        const RegionSlot& slot = set.slots[static_cast<std::size_t>(plan.slot)];
+        return {slot.centerInA, bInA.rotation * slot.normalInB};
+    };
+    for (std::size_t over = cap; over < s.order.size(); ++over) {
+        int nearest = -1;
+        float squaredNearest = std::numeric_limits<float>::max();
+        const auto [center, normal] = place(s.order[over]);
+        for (std::size_t i = 0; i < cap; ++i) {
+            const auto [otherCenter, otherNormal] = place(s.order[i]);
+            const float squared = (otherCenter - center).squaredNorm();
+            if (squared < squaredNearest && otherNormal.dot(normal) >= settings.keepCone) {
+                squaredNearest = squared;
+                nearest = s.order[i];
+            }
+        }
+        set.droppedRegions += nearest < 0 ? 1U : 0U;
+        std::replace(s.planOf.begin(), s.planOf.end(), s.order[over], nearest);
+        for (Kept& kept : s.kept) {
+            kept.plan = kept.plan == s.order[over] ? nearest : kept.plan;
+        }
+    }
+}
+
 /// Ends plans that have nothing, and the shallowest beyond the cap.
-void admit(ContactSet& set, const ContactSetSettings& settings, Scratch& s) {
+void admit(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings, Scratch& s) {
     for (const Kept& kept : s.kept) {
         if (kept.plan >= 0 && kept.contact == none) {
             Plan& plan = s.plans[static_cast<std::size_t>(kept.plan)];
@@ -337,8 +368,11 @@ void admit(ContactSet& set, const ContactSetSettings& settings, Scratch& s) {
     std::sort(s.order.begin(), s.order.end(),
               [&](int left, int right) { return rank(left) != rank(right) ? rank(left) > rank(right) : left < right; });
     const auto cap = static_cast<std::size_t>(std::clamp(settings.maxRegions, 1, 16));
-    set.droppedRegions = s.order.size() > cap ? static_cast<std::uint32_t>(s.order.size() - cap) : 0;
-    s.order.resize(std::min(s.order.size(), cap));
+    set.droppedRegions = 0;
+    if (s.order.size() > cap) {
+        joinOverflow(set, bInA, cap, settings, s);
+        s.order.resize(cap);
+    }
 }
 
 }  // namespace
@@ -381,7 +415,7 @@ void merge(ContactSet& set, std::span<const SurfaceContact> contacts, const Pose
     findCounterparts(set, contacts, settings, s);
     assignRegions(set, bInA, settings, s);
     assignKept(set, contacts, bInA, complete, settings, s);
-    admit(set, settings, s);
+    admit(set, bInA, settings, s);
 
     s.rebuilt.resize(s.plans.size());
     for (const int p : s.order) {

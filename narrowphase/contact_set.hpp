@@ -14,8 +14,10 @@ namespace grapeshot {
 struct ContactSetSettings {
     float maxDistance = 0.06F;  ///< m: points farther apart than this are dropped on refresh
     float mergeDistance =
-        0.02F;           ///< m: a new point this near to a kept one (on A) is the same one; also the least spread
-    int maxRegions = 8;  ///< 1..16; the shallowest are left out (and counted)
+        0.02F;  ///< m: a new point this near to a kept one (on A) is the same one; also the least spread
+    /// 1..16. Beyond it the shallowest regions share the slot of the nearest one that faces the same way; those without
+    /// such a one are left out (and counted).
+    int maxRegions = 8;
     /// A region keeps its slot while its normal stays within this angle (cosine) of the slot's: wider than the cone
     /// that groups, so that a region on the border does not flicker between slots.
     float keepCone = 0.7F;
@@ -49,7 +51,7 @@ struct RegionSlot {
 struct ContactSet {
     std::vector<RegionSlot> slots;  ///< in-use slots keep their place
     std::uint32_t nextId = 1;
-    std::uint32_t droppedRegions = 0;  ///< beyond maxRegions, in the last update
+    std::uint32_t droppedRegions = 0;  ///< left out because of maxRegions, in the last merge
 };
 
 /// Re-evaluates the kept points in the new pose; drops those that opened beyond maxDistance or slid sideways by more

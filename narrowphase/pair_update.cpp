@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include <grapeshot/narrowphase/detail/leaf_filter.hpp>
 #include <grapeshot/narrowphase/penetration.hpp>
 
 namespace grapeshot {
@@ -21,16 +22,13 @@ class Purse {
     void pay(std::uint64_t work) { m_spent += work; }
     [[nodiscard]] std::uint64_t spent() const { return m_spent; }
     [[nodiscard]] bool isUnlimited() const { return m_budget.work == unlimited && m_budget.time == never; }
-    /// All that is left, or half of it (at least one unit, if there is one).
-    [[nodiscard]] Budget left(bool half = false) const {
+    [[nodiscard]] Budget left() const {
         Budget rest = m_budget;
         if (rest.work != unlimited) {
             rest.work -= std::min(rest.work, m_spent);
-            rest.work = half ? (rest.work + 1) / 2 : rest.work;
         }
         if (rest.time != never) {
             rest.time = std::max(std::chrono::nanoseconds(0), rest.time - (now() - m_start));
-            rest.time = half ? rest.time / 2 : rest.time;
         }
         return rest;
     }
@@ -62,6 +60,7 @@ struct Scratch {
     Contacts contacts;
     std::vector<TriangleContact> unordered;
     std::vector<Tested> tested;
+    std::vector<LeafPair> near;
     std::vector<TriangleContact> pairs;  ///< the step's triangle pairs, by ascending leaf pair
     std::vector<SurfaceContact> found;
 };
@@ -96,52 +95,65 @@ bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const Pa
 }
 
 /// Triangle pairs of the kept candidates. True if all were tested.
-bool testCandidates(Query& query, const Pose& bInA, const PairSettings& settings, const PairState& state, Purse& purse,
-                    PairResult& result, Scratch& s) {
-    query.contactsOf(state.candidates, bInA, settings.maxDistance, purse.left(), s.contacts);
+bool testCandidates(const MeshModel& a, const MeshModel& b, Query& query, const Pose& bInA,
+                    const PairSettings& settings, const PairState& state, Purse& purse, PairResult& result,
+                    Scratch& s) {
+    detail::nearPairs(a.tree, b.tree, bInA, state.candidates, settings.maxDistance, s.near);
+    query.contactsOf(s.near, bInA, settings.maxDistance, purse.left(), s.contacts);
     purse.pay(s.contacts.work);
-    result.candidates = static_cast<std::uint32_t>(std::min<std::uint64_t>(s.contacts.work, state.candidates.size()));
+    result.candidates = static_cast<std::uint32_t>(s.contacts.work);
     s.pairs.swap(s.contacts.pairs);
     return s.contacts.certain;
 }
 
-/// Traversal and tests in turns, each with half of what is left, so that a small budget finds some contacts before it
-/// knows all candidates. True if all were found.
-bool traverseInTurns(Query& query, const Pose& bInA, const PairSettings& settings, PairState& state, Purse& purse,
-                     PairResult& result, Scratch& s) {
+/// Traversal and tests in turns, so that a small budget finds some contacts before it knows all candidates. The turns
+/// do not depend on the budget, so a larger one does what a smaller one does, and more. True if all were found.
+bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& query, const Pose& bInA,
+                     const PairSettings& settings, PairState& state, Purse& purse, PairResult& result, Scratch& s) {
     s.unordered.clear();
     s.tested.clear();
     s.leafPairs.pairs.clear();
+    s.leafPairs.certain = false;
+    const float reach = settings.maxDistance + settings.slack;
     std::size_t testedUntil = 0;
     std::uint64_t traversalWork = 0;
-    bool started = false;
-    s.leafPairs.certain = false;
-    while (!purse.isEmpty() && !(s.leafPairs.certain && testedUntil == s.leafPairs.pairs.size())) {
+    std::uint64_t turn = 1;
+    for (bool started = false; !purse.isEmpty(); started = true) {
         if (!s.leafPairs.certain) {
-            const ContactSettings reach{settings.maxDistance + settings.slack, Order::bestFirst};
+            Budget slice = purse.left();
+            slice.work = std::min(slice.work, turn);
+            turn = std::min<std::uint64_t>(2 * turn, 32);
             if (started) {
-                query.resumeLeafPairs(purse.left(true), s.leafPairs);
+                query.resumeLeafPairs(slice, s.leafPairs);
             } else {
-                query.leafPairs(bInA, reach, purse.left(true), s.leafPairs);
+                query.leafPairs(bInA, {reach, Order::bestFirst}, slice, s.leafPairs);
             }
-            started = true;
             if (s.leafPairs.stop == StopReason::invalidInput) {
                 return false;
             }
-            purse.pay(s.leafPairs.work - std::min(traversalWork, s.leafPairs.work));
+            purse.pay(s.leafPairs.work - traversalWork);
             traversalWork = s.leafPairs.work;
         }
+        detail::nearPairs(a.tree, b.tree, bInA, std::span(s.leafPairs.pairs).subspan(testedUntil), settings.maxDistance,
+                          s.near);
         // One at a time, to know which contacts are whose.
-        for (; testedUntil < s.leafPairs.pairs.size() && !purse.isEmpty(); ++testedUntil) {
-            const LeafPair& pair = s.leafPairs.pairs[testedUntil];
-            query.contactsOf({&pair, 1}, bInA, settings.maxDistance, purse.left(), s.contacts);
+        std::size_t done = 0;
+        for (; done < s.near.size() && !purse.isEmpty(); ++done) {
+            query.contactsOf({&s.near[done], 1}, bInA, settings.maxDistance, purse.left(), s.contacts);
             purse.pay(s.contacts.work);
             if (!s.contacts.certain) {
                 break;
             }
             const auto begin = static_cast<std::uint32_t>(s.unordered.size());
             s.unordered.insert(s.unordered.end(), s.contacts.pairs.begin(), s.contacts.pairs.end());
-            s.tested.push_back({pair, begin, static_cast<std::uint32_t>(s.unordered.size())});
+            s.tested.push_back({s.near[done], begin, static_cast<std::uint32_t>(s.unordered.size())});
+        }
+        if (done < s.near.size()) {
+            break;
+        }
+        testedUntil = s.leafPairs.pairs.size();
+        if (s.leafPairs.certain) {
+            break;
         }
     }
     result.candidates = static_cast<std::uint32_t>(s.tested.size());
@@ -164,14 +176,14 @@ bool findPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const P
                PairState& state, PairResult& result, Scratch& s) {
     Query query(a.tree, b.tree);
     if (canReuse(a, b, bInA, settings, state)) {
-        return testCandidates(query, bInA, settings, state, purse, result, s);
+        return testCandidates(a, b, query, bInA, settings, state, purse, result, s);
     }
     result.traversed = true;
     state.candidatePose = bInA;
     state.candidateDistance = -1;
     state.candidates.clear();
     if (!purse.isUnlimited()) {
-        return traverseInTurns(query, bInA, settings, state, purse, result, s);
+        return traverseInTurns(a, b, query, bInA, settings, state, purse, result, s);
     }
     query.leafPairs(bInA, {settings.maxDistance + settings.slack, Order::depthFirst}, purse.left(), s.leafPairs);
     purse.pay(s.leafPairs.work);
@@ -181,7 +193,7 @@ bool findPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const P
     state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
     std::sort(state.candidates.begin(), state.candidates.end());
     state.candidateDistance = settings.maxDistance + settings.slack;
-    return testCandidates(query, bInA, settings, state, purse, result, s);
+    return testCandidates(a, b, query, bInA, settings, state, purse, result, s);
 }
 
 /// Local extrema, cuts that they do not explain, and bodies inside bodies.

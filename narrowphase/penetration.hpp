@@ -12,7 +12,8 @@
 namespace grapeshot {
 
 struct PenetrationSettings {
-    /// Intersecting pairs whose middles are within this distance belong to one cut, m.
+    /// Intersecting pairs belong to one cut if they follow each other on the curve, or if their middles are within this
+    /// distance, m.
     float spacing = 0.1F;
     /// A cut whose surroundings (this far, m) already have a penetrating contact is explained and gives none.
     float explainedWithin = 0.1F;

@@ -1,6 +1,9 @@
 #include <grapeshot/narrowphase/detail/surface_cut.hpp>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+#include <utility>
 
 #include <grapeshot/narrowphase/detail/point_grid.hpp>
 
@@ -50,6 +53,85 @@ Eigen::Vector3d normalOf(const MeshModel& a, const MeshModel& b, const Pose& bIn
     return any.norm() > 0.5 ? any.normalized() : Eigen::Vector3d::UnitY();
 }
 
+/// Union-find; the lowest index stands for its component.
+class Partition {
+  public:
+    void reset(std::size_t count) {
+        m_parent.resize(count);
+        std::iota(m_parent.begin(), m_parent.end(), 0U);
+    }
+    [[nodiscard]] std::uint32_t find(std::uint32_t i) {
+        while (m_parent[i] != i) {
+            m_parent[i] = m_parent[m_parent[i]];
+            i = m_parent[i];
+        }
+        return i;
+    }
+    void join(std::uint32_t i, std::uint32_t j) {
+        i = find(i);
+        j = find(j);
+        m_parent[std::max(i, j)] = std::min(i, j);
+    }
+
+  private:
+    std::vector<std::uint32_t> m_parent;
+};
+
+/// Neighbours on the curve end in the very same point: both compute it from the same edge and the same plane.
+void joinAlongCurve(std::span<const CutPiece> pieces, Partition& partition) {
+    using End = std::array<double, 3>;
+    thread_local std::vector<std::pair<End, std::uint32_t>> ends;
+    ends.clear();
+    for (std::uint32_t i = 0; i < pieces.size(); ++i) {
+        if (pieces[i].hasSegment) {
+            for (const Eigen::Vector3d* end : {&pieces[i].segment.from, &pieces[i].segment.to}) {
+                ends.push_back({{end->x(), end->y(), end->z()}, i});
+            }
+        }
+    }
+    std::sort(ends.begin(), ends.end());
+    for (std::size_t i = 1; i < ends.size(); ++i) {
+        if (ends[i].first == ends[i - 1].first) {
+            partition.join(ends[i].second, ends[i - 1].second);
+        }
+    }
+}
+
+void joinNear(std::span<const CutPiece> pieces, float spacing, Partition& partition) {
+    thread_local PointGrid grid;
+    thread_local std::vector<std::uint32_t> open;
+    thread_local std::vector<char> reached;
+    const auto count = static_cast<std::uint32_t>(pieces.size());
+    grid.reset(count, spacing);
+    reached.assign(count, 0);
+    for (std::uint32_t i = count; i-- > 0;) {
+        grid.insert(i, pieces[i].middle);
+    }
+    for (std::uint32_t seed = 0; seed < count; ++seed) {
+        if (reached[seed] != 0) {
+            continue;
+        }
+        reached[seed] = 1;
+        open.assign(1, seed);
+        while (!open.empty()) {
+            const std::uint32_t at = open.back();
+            open.pop_back();
+            grid.take(pieces[at].middle, [&](std::uint32_t other) {
+                if (reached[other] != 0) {
+                    return true;
+                }
+                if ((pieces[other].middle - pieces[at].middle).squaredNorm() > spacing * spacing) {
+                    return false;
+                }
+                reached[other] = 1;
+                partition.join(at, other);
+                open.push_back(other);
+                return true;
+            });
+        }
+    }
+}
+
 }  // namespace
 
 TriangleD cornersOf(const Tree& tree, std::uint32_t triangle) {
@@ -71,67 +153,49 @@ TriangleD cornersOf(const Tree& tree, std::uint32_t triangle, const Pose& pose) 
 void findCuts(const MeshModel& a, const MeshModel& b, const Pose& bInA, std::span<const TriangleContact> pairs,
               float spacing, SurfaceCuts& out) {
     struct Scratch {
-        std::vector<std::uint32_t> overlapping;
-        std::vector<char> taken;
-        std::vector<std::uint32_t> queue;
-        PointGrid grid;
+        std::vector<CutPiece> pieces;
+        Partition partition;
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // component, piece
     };
     thread_local Scratch s;
     out.pieces.clear();
     out.cuts.clear();
-    s.overlapping.clear();
-    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-        if (pairs[i].overlapping && pairs[i].onA.allFinite()) {
-            s.overlapping.push_back(i);
-        }
-    }
-    if (s.overlapping.empty()) {
-        return;
-    }
-    const auto count = static_cast<std::uint32_t>(s.overlapping.size());
-    s.taken.assign(count, 0);
-    s.grid.reset(count, spacing);
-    for (std::uint32_t i = count; i-- > 0;) {
-        s.grid.insert(i, pairs[s.overlapping[i]].onA);
-    }
-    for (std::uint32_t seed = 0; seed < count; ++seed) {
-        if (s.taken[seed] != 0) {
+    s.pieces.clear();
+    for (const TriangleContact& contact : pairs) {
+        if (!contact.overlapping || !contact.onA.allFinite()) {
             continue;
         }
-        s.taken[seed] = 1;
-        s.queue.assign(1, seed);
-        for (std::size_t at = 0; at < s.queue.size(); ++at) {
-            const Eigen::Vector3f middle = pairs[s.overlapping[s.queue[at]]].onA;
-            s.grid.take(middle, [&](std::uint32_t other) {
-                if (s.taken[other] != 0) {
-                    return true;
-                }
-                if ((pairs[s.overlapping[other]].onA - middle).squaredNorm() > spacing * spacing) {
-                    return false;
-                }
-                s.taken[other] = 1;
-                s.queue.push_back(other);
-                return true;
-            });
+        CutPiece& piece = s.pieces.emplace_back();
+        piece.pair = contact.pair;
+        piece.middle = contact.onA;
+        piece.overlap = std::max(0.0F, -contact.signedDistance);
+        if (const auto segment =
+                cut(cornersOf(a.tree, contact.pair.triangleA), cornersOf(b.tree, contact.pair.triangleB, bInA))) {
+            piece.segment = *segment;
+            piece.hasSegment = true;
         }
-        SurfaceCut& surfaceCut = out.cuts.emplace_back();
-        surfaceCut.begin = static_cast<std::uint32_t>(out.pieces.size());
-        surfaceCut.end = surfaceCut.begin + static_cast<std::uint32_t>(s.queue.size());
-        for (const std::uint32_t member : s.queue) {
-            const TriangleContact& contact = pairs[s.overlapping[member]];
-            CutPiece& piece = out.pieces.emplace_back();
-            piece.pair = contact.pair;
-            piece.middle = contact.onA;
-            piece.overlap = std::max(0.0F, -contact.signedDistance);
-            if (const auto segment =
-                    cut(cornersOf(a.tree, contact.pair.triangleA), cornersOf(b.tree, contact.pair.triangleB, bInA))) {
-                piece.segment = *segment;
-                piece.hasSegment = true;
-            }
-            surfaceCut.center += contact.onA.cast<double>();
+    }
+    s.partition.reset(s.pieces.size());
+    joinAlongCurve(s.pieces, s.partition);
+    joinNear(s.pieces, spacing, s.partition);
+    s.order.clear();
+    for (std::uint32_t i = 0; i < s.pieces.size(); ++i) {
+        s.order.emplace_back(s.partition.find(i), i);
+    }
+    std::sort(s.order.begin(), s.order.end());
+    for (std::size_t i = 0; i < s.order.size(); ++i) {
+        if (i == 0 || s.order[i].first != s.order[i - 1].first) {
+            out.cuts.emplace_back().begin = static_cast<std::uint32_t>(i);
         }
-        surfaceCut.center /= static_cast<double>(s.queue.size());
-        surfaceCut.normal = normalOf(a, b, bInA, out.piecesOf(surfaceCut), surfaceCut.center);
+        out.pieces.push_back(s.pieces[s.order[i].second]);
+        out.cuts.back().end = static_cast<std::uint32_t>(i + 1);
+    }
+    for (SurfaceCut& surfaceCut : out.cuts) {
+        const auto pieces = out.piecesOf(surfaceCut);
+        for (const CutPiece& piece : pieces) {
+            surfaceCut.center += piece.middle.cast<double>() / static_cast<double>(pieces.size());
+        }
+        surfaceCut.normal = normalOf(a, b, bInA, pieces, surfaceCut.center);
     }
 }
 

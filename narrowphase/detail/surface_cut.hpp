@@ -22,7 +22,7 @@ struct CutPiece {
     bool hasSegment = false;  ///< not if the two lie in one plane
 };
 
-/// Pieces whose middles are within the spacing of each other: [begin, end) of the pieces.
+/// Pieces that follow each other on a curve, or whose middles are within the spacing: [begin, end) of the pieces.
 struct SurfaceCut {
     std::uint32_t begin = 0;
     std::uint32_t end = 0;

@@ -437,28 +437,67 @@ TEST(ContactSet, DeeperPointsReplaceKeptOnesWithoutTheirPlaces) {
     expectFeet(corner, feet);
 }
 
-TEST(ContactSet, BeyondTheCapTheShallowestAreLeftOutAndCounted) {
-    std::vector<Vector3f> feet;
+/// Twelve contacts that face the twelve corners of an icosahedron: no two of them belong together.
+std::vector<SurfaceContact> twelveDirections() {
+    std::vector<SurfaceContact> contacts;
+    const float golden = 1.618034F;
     for (int i = 0; i < 12; ++i) {
-        feet.emplace_back(static_cast<float>(i), 0.001F * static_cast<float>((i * 5) % 12), 0);
+        Vector3f direction(0, i % 2 == 0 ? 1.0F : -1.0F, i / 2 % 2 == 0 ? golden : -golden);
+        std::rotate(direction.data(), direction.data() + i / 4, direction.data() + 3);
+        SurfaceContact contact;
+        contact.normal = direction.normalized();
+        contact.signedDistance = 0.001F * static_cast<float>((i * 5) % 12);
+        contact.onB = -contact.normal;
+        contact.onA = contact.onB + contact.signedDistance * contact.normal;
+        contacts.push_back(contact);
     }
+    return contacts;
+}
+
+TEST(ContactSet, BeyondTheCapTheShallowestAreLeftOutAndCounted) {
+    auto contacts = twelveDirections();
     ContactSet set;
-    step(set, onFloor(feet, {}), {});
+    step(set, contacts, {});
     EXPECT_EQ(set.droppedRegions, 4U);
     EXPECT_EQ(idsOf(set).size(), 8U);
     for (const PersistentPoint& point : pointsOf(set)) {
         EXPECT_LT(point.signedDistance, 0.0075F);
     }
-    // A newcomer that is as deep as those there does not push one out; a deeper one does.
+    // One that comes a little closer than another does not push it out; one much deeper does.
     const auto before = idsOf(set);
-    feet.emplace_back(20, 0.006F, 0);
-    step(set, onFloor(feet, {}), {});
+    const auto last = std::max_element(contacts.begin(), contacts.end(), [](const auto& left, const auto& right) {
+        return left.signedDistance < right.signedDistance;
+    });
+    last->signedDistance = 0.006F;
+    last->onA = last->onB + last->signedDistance * last->normal;
+    step(set, contacts, {});
     EXPECT_EQ(idsOf(set), before);
-    feet.back().y() = -0.02F;
-    step(set, onFloor(feet, {}), {});
+    last->signedDistance = -0.02F;
+    last->onA = last->onB + last->signedDistance * last->normal;
+    step(set, contacts, {});
     EXPECT_EQ(idsOf(set).size(), 8U);
     EXPECT_NE(idsOf(set), before);
-    EXPECT_EQ(set.droppedRegions, 5U);
+    EXPECT_EQ(set.droppedRegions, 4U);
+}
+
+TEST(ContactSet, AFootInManyPiecesKeepsItsSupportUnderTheCap) {
+    const auto feet = gridFoot(1, 1, 5);  // 0.4 apart: 36 regions
+    ASSERT_EQ(groupRegions(onFloor(feet, {}), defaults.regions).size(), 36U);
+    ContactSet set;
+    std::vector<std::uint32_t> first;
+    for (int i = 0; i < 5; ++i) {
+        step(set, onFloor(feet, {}), {});
+        first = i == 0 ? idsOf(set) : first;
+        EXPECT_EQ(idsOf(set), first);
+        EXPECT_EQ(first.size(), 8U);
+        EXPECT_EQ(set.droppedRegions, 0U);
+        for (const Vector3f& corner : gridFoot(1, 1, 1)) {
+            const auto points = pointsOf(set);
+            EXPECT_TRUE(std::any_of(points.begin(), points.end(), [&](const PersistentPoint& point) {
+                return (point.localB - corner).norm() < 1e-4F && point.age == static_cast<std::uint32_t>(i);
+            }));
+        }
+    }
 }
 
 TEST(ContactSet, NamesAreNeverReused) {

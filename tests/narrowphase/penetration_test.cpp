@@ -85,8 +85,9 @@ TEST(Penetration, OfBlocksIsTheOverlapWhateverTheTessellation) {
         const Body upper(scenes::box({0.3F, 0.5F, 0.3F}, cells));
         for (const float depth : {0.03F, 0.1F, 0.3F}) {
             Pose pose{Eigen::AngleAxisf(0.4F, Vector3f::UnitY()).toRotationMatrix(), {0.1F, 1 - depth, 0.05F}};
-            // The upper one's sides are cut in a rectangle: one cut, since its middle is within the spacing.
-            const auto contacts = cutContacts(lower, upper, pose, {2, 0.1F, 4});
+            // The upper one's sides are cut in one rectangle, however far apart the middles of its pieces are.
+            const auto contacts = cutContacts(lower, upper, pose);
+            EXPECT_LE(contacts.size(), 4U);
             expectWellFormed(contacts);
             ASSERT_GE(contacts.size(), 3U);
             for (const SurfaceContact& contact : contacts) {
@@ -101,7 +102,7 @@ TEST(Penetration, OfCrossingBarsNeedsNoVertexInside) {
     const Body bar(scenes::box({1, 0.1F, 0.1F}, 1));
     for (const float overlap : {0.02F, 0.1F}) {
         const Pose pose{Eigen::AngleAxisf(1.5F, Vector3f::UnitY()).toRotationMatrix(), {0.03F, 0.2F - overlap, 0.01F}};
-        const auto contacts = cutContacts(bar, bar, pose, {1, 0.1F, 4});
+        const auto contacts = cutContacts(bar, bar, pose);
         ASSERT_FALSE(contacts.empty());
         expectWellFormed(contacts);
         EXPECT_NEAR(deepest(contacts).signedDistance, -overlap, 0.1F * overlap);
@@ -229,13 +230,13 @@ TEST(Penetration, SwappedBodiesSeeTheSameFromTheOtherSide) {
             ASSERT_FALSE(there.empty());
             ASSERT_FALSE(back.empty());
             const SurfaceContact& one = deepest(there);
-            // Several cuts may be equally deep; one of them has to match.
-            const bool matched = std::any_of(back.begin(), back.end(), [&](const SurfaceContact& other) {
+            // Several cuts may be about equally deep, and other vertices may have been measured where many are equal.
+            const float tolerance = 0.15F * -one.signedDistance + 1e-3F;
+            EXPECT_TRUE(std::any_of(back.begin(), back.end(), [&](const SurfaceContact& other) {
                 return (pose.rotation * other.normal + one.normal).norm() < 0.01F &&
-                       std::abs(other.signedDistance - one.signedDistance) < 2e-3F;
-            });
-            EXPECT_TRUE(matched);
-            EXPECT_NEAR(deepest(back).signedDistance, one.signedDistance, 2e-3);
+                       std::abs(other.signedDistance - one.signedDistance) < tolerance;
+            }));
+            EXPECT_NEAR(deepest(back).signedDistance, one.signedDistance, tolerance);
         }
     }
 }

@@ -87,12 +87,8 @@ inline std::vector<SurfaceContact> localContactsOf(const MeshModel& a, const Mes
 /// The same contact seen by the other side: in B's frame, with the roles exchanged.
 inline SurfaceContact mirrored(const SurfaceContact& contact, const Pose& bInA) {
     const Pose aInB = inverse(bInA);
-    return {apply(aInB, contact.onB),
-            apply(aInB, contact.onA),
-            -(aInB.rotation * contact.normal),
-            contact.signedDistance,
-            contact.triangleB,
-            contact.triangleA};
+    return {apply(aInB, contact.onB), apply(aInB, contact.onA), -(aInB.rotation * contact.normal),
+            contact.signedDistance,   contact.triangleB,        contact.triangleA};
 }
 
 inline bool near(const SurfaceContact& left, const SurfaceContact& right, float tolerance) {
