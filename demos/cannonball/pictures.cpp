@@ -94,8 +94,9 @@ Canvas stepTimes(const std::vector<const Shot*>& shots) {
                       .lines = {}};
     for (std::size_t i = 0; i < shots.size(); ++i) {
         const scenes::WorldSettings& settings = shots[i]->scene.world.settings();
-        scenes::Line line{.label = std::string(scenes::title(settings.engine)),
-                          .colour = scenes::seriesColour(1 - i % 2)};
+        scenes::Line line;
+        line.label = scenes::title(settings.engine);
+        line.colour = scenes::seriesColour(1 - i % 2);
         for (std::size_t step = 0; step < shots[i]->records.size(); ++step) {
             line.x.push_back(settings.timeStep * static_cast<double>(step + 1));
             line.y.push_back(1e3 * shots[i]->records[step].cpuSeconds);

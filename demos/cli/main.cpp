@@ -7,8 +7,11 @@
 
 #include "commands.hpp"
 
-int main(int argc, char** argv) {
-    using namespace grapeshot;
+namespace {
+
+using namespace grapeshot;
+
+int runTool(int argc, char** argv) {
     CLI::App tool("Approximate, time-critical collision detection: looks at meshes and compares them.", "grapeshot");
     tool.require_subcommand(1);
     tool.set_version_flag("--version",
@@ -22,8 +25,14 @@ int main(int argc, char** argv) {
         // Help and version end in a ParseError too, with code 0.
         return tool.exit(end) == 0 ? cli::done : cli::badUse;
     }
+    return run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
     try {
-        return run();
+        return runTool(argc, argv);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "grapeshot: %s\n", error.what());
         return cli::badUse;

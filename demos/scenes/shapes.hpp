@@ -22,19 +22,21 @@ Mesh sphere(float radius, int frequency);
 Mesh torus(float ringRadius, float tubeRadius, int around, int across);
 /// Open at +y: outer radius, wall, height; the floor is as thick as the wall. Non-convex, closed surface.
 Mesh cup(float radius, float wall, float height, int around, int along);
-/// Ball with `spikes` cones of `spikeLength`; about `triangles` of them.
+/// Ball with `spikes` cones of `spikeLength`; about `triangles` triangles, more where the cones need them.
 Mesh spikedBall(float radius, float spikeLength, int spikes, int triangles);
 /// Two rings through each other, as one mesh of two pieces (a rigid chain shot).
 Mesh chainShot(float ringRadius, float tubeRadius, int around, int across);
 /// One ring of it, to be linked with a second body.
 Mesh ring(float ringRadius, float tubeRadius, int around, int across);
-/// A block of the given half extents with `teeth` battlements on top; `cells` per unit of grid refines it.
+/// A block with `teeth` battlements along x; the half extents are of the whole, the teeth its upper quarter.
+/// From here on `cells` cuts every interval of the shape's own grid.
 Mesh crenelBlock(const Eigen::Vector3f& half, int teeth, int cells = 1);
-/// A block with a round arch cut through along z.
+/// A block with a half-round arch, open below, cut through along z.
 Mesh archBlock(const Eigen::Vector3f& half, float archRadius, int segments, int cells = 1);
 /// An upside-down U: two legs, open below. For "U on a bar".
 Mesh uBody(float width, float legLength, float thickness, float depth, int cells = 1);
-/// A plus-shaped prism along y, and a plate with a plus-shaped hole that it fits with `clearance`.
+/// A plus-shaped prism along y (`arm` from the middle, `thickness` across), and a plate with a plus-shaped hole for a
+/// plug of `arm` and `holeThickness`, wider by `clearance` on each side.
 Mesh crossPlug(float arm, float thickness, float height, int cells = 1);
 Mesh plateWithCrossHole(float half, float thickness, float arm, float holeThickness, float clearance, int cells = 1);
 /// A sphere with smooth lobes: non-convex everywhere, a stand-in for scanned bodies; 20 * frequency^2 triangles.
@@ -43,7 +45,7 @@ Mesh bumpySphere(float radius, float amplitude, int lobes, int frequency, std::u
 Mesh torusKnot(int p, int q, float ringRadius, float knotRadius, float tubeRadius, int along, int across);
 /// A spur gear, teeth along the rim, with a hole.
 Mesh gear(float radius, float toothHeight, float holeRadius, float thickness, int teeth, int cells = 1);
-/// A comb: a bar with `teeth` prisms.
+/// A comb: a bar with `teeth` prisms, half a pitch wide, hanging down.
 Mesh comb(int teeth, float toothLength, float pitch, float thickness, int cells = 1);
 /// An open grid in the xz plane, normals +y.
 Mesh grid(float halfX, float halfZ, int cellsX, int cellsZ);

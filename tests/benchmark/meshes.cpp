@@ -13,12 +13,12 @@ std::vector<NamedMesh> generatedMeshes(bool quick) {
             meshes.push_back({name, scenes::normalised(std::move(mesh))});
         }
     };
-    add("bumpySphere-1k", scenes::bumpySphere(1.0F, 0.22F, 9, 8, 6151));
-    add("cup-3k", scenes::cup(0.7F, 0.09F, 1.3F, 44, 14));
-    add("gear-7k", scenes::gear(1.0F, 0.14F, 0.31F, 0.37F, 19, 4));
-    add("torusKnot-18k", scenes::torusKnot(3, 5, 1.0F, 0.42F, 0.13F, 460, 20));
-    add("spikedBall-42k", scenes::spikedBall(1.0F, 0.38F, 46, 42'000));
-    add("bumpySphere-98k", scenes::bumpySphere(1.0F, 0.27F, 13, 70, 24593));
+    add("bumpySphere", scenes::bumpySphere(1.0F, 0.22F, 9, 8, 6151));
+    add("cup", scenes::cup(0.7F, 0.09F, 1.3F, 44, 14));
+    add("gear", scenes::gear(1.0F, 0.14F, 0.31F, 0.37F, 19, 4));
+    add("torusKnot", scenes::torusKnot(3, 5, 1.0F, 0.42F, 0.13F, 460, 20));
+    add("spikedBall", scenes::spikedBall(1.0F, 0.38F, 46, 42'000));
+    add("bumpySphereFine", scenes::bumpySphere(1.0F, 0.27F, 13, 70, 24593));
     return meshes;
 }
 
