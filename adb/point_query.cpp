@@ -251,23 +251,23 @@ std::optional<ClosestPoint> closestPoint(const Tree& tree, const Eigen::Vector3f
         }
         return squared * (1 - 1e-12);
     };
-    descend(tree, key, [&] { return limit; },
-            [&](const LeafBlock& leaf) {
-                for (int lane = 0; lane < 4 && leaf.triangle[lane] != noTriangle; ++lane) {
-                    const Vector3d corner[3] = {cornerOf(leaf, 0, lane), cornerOf(leaf, 1, lane),
-                                                cornerOf(leaf, 2, lane)};
-                    const OnTriangle found = closestOnTriangle(corner, from);
-                    const double squared = (found.point - from).squaredNorm();
-                    if (squared > limit || squared > bestSquared ||
-                        (squared == bestSquared && leaf.triangle[lane] > best.triangle)) {
-                        continue;
-                    }
-                    bestSquared = squared;
-                    limit = std::min(limit, squared);
-                    best = {found.point.cast<float>(), static_cast<float>(std::sqrt(squared)), leaf.triangle[lane],
-                            found.feature};
+    descend(
+        tree, key, [&] { return limit; },
+        [&](const LeafBlock& leaf) {
+            for (int lane = 0; lane < 4 && leaf.triangle[lane] != noTriangle; ++lane) {
+                const Vector3d corner[3] = {cornerOf(leaf, 0, lane), cornerOf(leaf, 1, lane), cornerOf(leaf, 2, lane)};
+                const OnTriangle found = closestOnTriangle(corner, from);
+                const double squared = (found.point - from).squaredNorm();
+                if (squared > limit || squared > bestSquared ||
+                    (squared == bestSquared && leaf.triangle[lane] > best.triangle)) {
+                    continue;
                 }
-            });
+                bestSquared = squared;
+                limit = std::min(limit, squared);
+                best = {found.point.cast<float>(), static_cast<float>(std::sqrt(squared)), leaf.triangle[lane],
+                        found.feature};
+            }
+        });
     if (best.triangle == noTriangle) {
         return std::nullopt;
     }

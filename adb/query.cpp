@@ -166,8 +166,8 @@ DescentEnd Query::State::nextOverlap(std::uint64_t units) {
     }
 }
 
-/// The witness of the last decision is taken up before the root. If it does not hit this time it is forgotten: bodies that have parted
-/// would pay for it in each query.
+/// The witness of the last decision is taken up before the root. If it does not hit this time it is forgotten: bodies
+/// that have parted would pay for it in each query.
 void Query::State::tryWitness() {
     if (!hasWitness || finished) {
         return;
@@ -263,7 +263,8 @@ void Query::State::goOn(Task which, const Budget& budget, Result& out, const Run
         out.stop = StopReason::invalidInput;
         return;
     }
-    finished = finished || detail::spend(budget, [this] { return descent.work; }, run);
+    finished = finished || detail::spend(
+                               budget, [this] { return descent.work; }, run);
     out.work = descent.work;
     out.certain = finished;
     out.stop = finished ? StopReason::certain : StopReason::budget;

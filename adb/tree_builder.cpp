@@ -34,12 +34,14 @@ struct Box {
             upper[axis] = std::max(upper[axis], other.upper[axis]);
         }
     }
-    /// Half the surface, m^2. In double: coordinates reach 1e15, and so do their inverses.
-    [[nodiscard]] double halfArea() const {
+    /// How likely a partner meets the box: the volume of its Minkowski sum with a cube of its own mean size, m^3. A few
+    /// per cent fewer steps than with the surface, which is right for rays. In double: coordinates reach 1e15.
+    [[nodiscard]] double reach() const {
         const double x = double{upper[0]} - lower[0];
         const double y = double{upper[1]} - lower[1];
         const double z = double{upper[2]} - lower[2];
-        return x < 0 ? 0 : x * y + y * z + z * x;
+        const double mean = (x + y + z) / 3;
+        return x < 0 ? 0 : (x + mean) * (y + mean) * (z + mean);
     }
 };
 
@@ -56,7 +58,7 @@ struct Range {
     std::size_t begin = 0;
     std::size_t end = 0;
     int level = 0;     ///< binary splits above
-    double area = 0;   ///< of the box of the range
+    double reach = 0;  ///< of the box of the range
     [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
@@ -123,15 +125,15 @@ class Builder {
         }
     }
 
-    [[nodiscard]] double areaOf(std::size_t begin, std::size_t end) const {
+    [[nodiscard]] double reachOf(std::size_t begin, std::size_t end) const {
         Box box;
         for (std::size_t i = begin; i < end; ++i) {
             box.grow(m_items[i].box);
         }
-        return box.halfArea();
+        return box.reach();
     }
 
-    /// Splits the part with the largest surface until there are four.
+    /// Splits the part with the largest reach until there are four.
     int splitInFour(const Range& range, Range (&parts)[4]) {
         int count = 1;
         parts[0] = range;
@@ -139,7 +141,7 @@ class Builder {
             int best = -1;
             for (int i = 0; i < count; ++i) {
                 if (parts[i].size() > static_cast<std::size_t>(m_settings.maxLeafTriangles) &&
-                    (best < 0 || parts[i].area > parts[best].area)) {
+                    (best < 0 || parts[i].reach > parts[best].reach)) {
                     best = i;
                 }
             }
@@ -151,8 +153,8 @@ class Builder {
             for (int i = count; i > best + 1; --i) {
                 parts[i] = parts[i - 1];
             }
-            parts[best] = {whole.begin, middle, whole.level + 1, areaOf(whole.begin, middle)};
-            parts[best + 1] = {middle, whole.end, whole.level + 1, areaOf(middle, whole.end)};
+            parts[best] = {whole.begin, middle, whole.level + 1, reachOf(whole.begin, middle)};
+            parts[best + 1] = {middle, whole.end, whole.level + 1, reachOf(middle, whole.end)};
             ++count;
         }
         return count;
@@ -208,7 +210,7 @@ class Builder {
         return std::min(static_cast<int>((place - low) * scale), m_settings.bins - 1);
     }
 
-    /// The cheapest split by surface times number of leaves on either side; axis -1 if no plane parts the triangles.
+    /// The cheapest split by reach times number of leaves on either side; axis -1 if no plane parts the triangles.
     Split bestSplit(const Range& range, const float (&low)[3], const float (&high)[3]) {
         Split best;
         double bestCost = std::numeric_limits<double>::infinity();
@@ -251,7 +253,7 @@ class Builder {
     /// Leaves are tested four triangles at a time, so a part-filled one costs as much as a full one.
     [[nodiscard]] double cost(const Box& box, std::size_t count) const {
         const auto leaf = static_cast<std::size_t>(m_settings.maxLeafTriangles);
-        return box.halfArea() * static_cast<double>((count + leaf - 1) / leaf);
+        return box.reach() * static_cast<double>((count + leaf - 1) / leaf);
     }
 
     std::uint32_t makeLeaf(const Range& range) {

@@ -147,8 +147,7 @@ class Inspector {
                     continue;
                 }
                 const std::uint32_t below = indexOf(child);
-                const detail::LeafRange range =
-                    isLeaf(child) ? detail::LeafRange{below, below + 1} : ranges[below];
+                const detail::LeafRange range = isLeaf(child) ? detail::LeafRange{below, below + 1} : ranges[below];
                 checkBounds(i, slot, range);
                 checkMoments(i, slot, range);
             }
@@ -215,8 +214,8 @@ class Inspector {
             wrong = wrong || (truth.area > 0 && differ(stored.mean[axis][slot], truth.mean[axis], extent));
         }
         for (int i = 0; i < 6 && truth.area > 0; ++i) {
-            wrong = wrong || differ(stored.covariance[i][slot], truth.covariance(rows[i], columns[i]),
-                                    truth.covariance.trace());
+            wrong = wrong ||
+                    differ(stored.covariance[i][slot], truth.covariance(rows[i], columns[i]), truth.covariance.trace());
         }
         if (wrong) {
             say("node ", index, " slot ", slot, ": moments do not add up");

@@ -16,6 +16,10 @@ if(GRAPESHOT_SANITIZE)
     target_compile_options(grapeshot_flags INTERFACE -fsanitize=${GRAPESHOT_SANITIZE} -fno-omit-frame-pointer
                                                      -fno-sanitize-recover=all)
     target_link_options(grapeshot_flags INTERFACE -fsanitize=${GRAPESHOT_SANITIZE})
+else()
+    # A library with a name that nobody defines is a fault of its own link, not of the first program's. (The sanitizers'
+    # names are defined by the program.)
+    string(APPEND CMAKE_SHARED_LINKER_FLAGS " -Wl,-z,defs")
 endif()
 
 # <grapeshot/adb/tree.hpp> in the build tree and in the installed tree alike: one link per room.

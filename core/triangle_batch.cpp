@@ -1,5 +1,8 @@
-#include <grapeshot/core/detail/leaf_triangles.hpp>
 #include <grapeshot/core/triangle_batch.hpp>
+
+#include <limits>
+
+#include <grapeshot/core/detail/leaf_triangles.hpp>
 
 #include <grapeshot/core/detail/wide_targets.hpp>
 
@@ -69,8 +72,30 @@ HWY_INLINE void store3(Vector16 v, float (&out)[3][batchWidth]) {
     store(v.z, out[2]);
 }
 
-/// Fills `out`; returns the lanes left open, which are filled as if they did not overlap.
-HWY_INLINE std::uint32_t distanceOf(const Pairs16& unscaled, DistanceBatch& out) {
+/// Lanes whose boxes, or one triangle and the other's plane, are surely farther
+/// apart than `limit`.
+HWY_INLINE Mask16 surelyBeyond(const Pairs16& t, const Normals16& n, const NormalGaps16& gap, Float16 limit) {
+    const Float16 zero = wide(0);
+    const Float16 safe = limit + wide(1e-6F) * (t.sizeA + t.sizeB + t.offset);
+    const auto boxGap = [&](Float16 a1, Float16 a2, Float16 c, Float16 f1, Float16 f2) HWY_ATTR {
+        const Float16 aboveA = c + min(min(f1, f2), zero) - max(max(a1, a2), zero);
+        const Float16 belowA = min(min(a1, a2), zero) - (c + max(max(f1, f2), zero));
+        return max(aboveA, belowA);
+    };
+    const Float16 box =
+        max(max(boxGap(t.a1.x, t.a2.x, t.c.x, t.f1.x, t.f2.x), boxGap(t.a1.y, t.a2.y, t.c.y, t.f1.y, t.f2.y)),
+            boxGap(t.a1.z, t.a2.z, t.c.z, t.f1.z, t.f2.z));
+    const Float16 alongA = gap.alongA - normalBoundA(t);
+    const Float16 alongB = gap.alongB - normalBoundB(t);
+    const Float16 square = safe * safe;
+    return (box > safe) | ((alongA > zero) & (alongA * alongA > square * dot(n.nA, n.nA))) |
+           ((alongB > zero) & (alongB * alongB > square * dot(n.nB, n.nB)));
+}
+
+/// Fills `out`; returns the lanes left open, which are filled as if they did
+/// not overlap. Lanes surely beyond `maxDistance` get the largest float, A's
+/// first corner twice and features 0.
+HWY_INLINE std::uint32_t distanceOf(const Pairs16& unscaled, float maxDistance, DistanceBatch& out) {
     const Float16 extent = max(max(unscaled.sizeA, unscaled.sizeB), unscaled.offset);
     const Float16 unit = powerOfTwoBelow(max(extent, wide(0x1p-126F)));
     const Float16 scale = wide(1) / unit;
@@ -84,6 +109,19 @@ HWY_INLINE std::uint32_t distanceOf(const Pairs16& unscaled, DistanceBatch& out)
     t.sizeB = t.sizeB * scale;
     t.offset = t.offset * scale;
     const Float16 zero = wide(0);
+    const Float16 farthest = wide(std::numeric_limits<float>::max());
+    const Normals16 n = normalsOf(t);
+    const NormalGaps16 normalGap = normalGaps(n);
+    const Mask16 beyond = surelyBeyond(t, n, normalGap, min(wide(maxDistance) * scale, farthest));
+    if (bits(beyond) == 0xffffU) {
+        store(farthest, out.signedDistance);
+        store3(t.origin, out.onA);
+        store3(t.origin, out.onB);
+        storeInt(zero, out.featureA);
+        storeInt(zero, out.featureB);
+        out.overlapping = 0;
+        return 0;
+    }
     const Vector16 b1 = t.c + t.f1;
     const Vector16 b2 = t.c + t.f2;
     const Outlines16 o{
@@ -91,12 +129,10 @@ HWY_INLINE std::uint32_t distanceOf(const Pairs16& unscaled, DistanceBatch& out)
 
     // The same decisions as `overlaps`: all its quantities are scaled exactly.
     const Mask16 range = inRange(unscaled);
-    const Normals16 n = normalsOf(t);
-    const NormalGaps16 normalGap = normalGaps(n);
     const EdgeGaps16 edgeGap = edgeGaps(t, n);
     const Verdict16 verdict = edgeVerdict(t, n, edgeGap, range, normalVerdict(t, normalGap));
     const std::uint32_t overlapping = bits(verdict.overlapping);
-    std::uint32_t open = ~bits(verdict.separated | verdict.overlapping) & 0xffffU;
+    std::uint32_t open = ~bits(verdict.separated | verdict.overlapping | beyond) & 0xffffU;
 
     Closest16 result = closestPoints(o, n.nA, n.nB);
     if (overlapping != 0U) {
@@ -109,22 +145,23 @@ HWY_INLINE std::uint32_t distanceOf(const Pairs16& unscaled, DistanceBatch& out)
         result.featureB = select(chosen, deep.featureB, result.featureB);
         open |= bits(deep.open & chosen);
     }
-    store(result.distance * unit, out.signedDistance);
-    store3(t.origin + result.onA * unit, out.onA);
-    store3(t.origin + result.onB * unit, out.onB);
-    storeInt(result.featureA, out.featureA);
-    storeInt(result.featureB, out.featureB);
+    const Vector16 none{zero, zero, zero};
+    store(select(beyond, farthest, result.distance * unit), out.signedDistance);
+    store3(t.origin + select(beyond, none, result.onA * unit), out.onA);
+    store3(t.origin + select(beyond, none, result.onB * unit), out.onB);
+    storeInt(select(beyond, zero, result.featureA), out.featureA);
+    storeInt(select(beyond, zero, result.featureB), out.featureB);
     out.overlapping = overlapping;
     return open;
 }
 
 std::uint32_t distanceKernel(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out) {
-    return distanceOf(pairsOf(a, b), out);
+    return distanceOf(pairsOf(a, b), std::numeric_limits<float>::infinity(), out);
 }
 
-std::uint32_t distanceLeavesKernel(const FourTriangles& a, const FourTriangles& b, const float* pose,
+std::uint32_t distanceLeavesKernel(const FourTriangles& a, const FourTriangles& b, const float* pose, float maxDistance,
                                    DistanceBatch& out) {
-    return distanceOf(pairsOfLeaves(a, b, pose), out);
+    return distanceOf(pairsOfLeaves(a, b, pose), maxDistance, out);
 }
 
 }  // namespace grapeshot::detail::HWY_NAMESPACE
@@ -237,11 +274,11 @@ std::uint32_t overlapsLeaves(const FourTriangles& a, const FourTriangles& b, con
     });
 }
 
-void signedDistancesLeaves(const FourTriangles& a, const FourTriangles& b, const Pose& bInA,
-                           DistanceBatch& out) noexcept {
+void signedDistancesLeaves(const FourTriangles& a, const FourTriangles& b, const Pose& bInA, DistanceBatch& out,
+                           float maxDistance) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(distanceLeavesKernel);
     const PoseNumbers pose = numbersOf(bInA);
-    const std::uint32_t open = kernel.chosen()(a, b, pose.data(), out);
+    const std::uint32_t open = kernel.chosen()(a, b, pose.data(), maxDistance, out);
     settleDistances(open, out, [&](int lane) noexcept {
         return HardPair{triangleOf(a, lane / 4), movedTriangleOf(b, lane % 4, pose)};
     });

@@ -20,8 +20,11 @@ struct Inside {
     Vector3f inBox;  // box frame, m
     std::uint32_t vertex = 0;
     std::uint32_t triangle = 0;
-    bool flat = false;  // only measures how deep the mesh is
+    bool flat = false;           // only measures how deep the mesh is
+    std::array<bool, 6> ways{};  // faces through which it could leave
 };
+
+constexpr unsigned none = 6;
 
 // Faces are numbered 2 * axis + (1 if on the negative side).
 Vector3f faceNormal(unsigned face) {
@@ -134,30 +137,31 @@ class BoxContactFinder {
     /// Which way out? The corner must be an extremum that way. The face through which all that is inside comes out
     /// soonest has the say; another one only where it is nearer (a U around a bar).
     void cornersInside() {
-        if (m_inside.empty()) {
-            return;
-        }
         std::array<float, 6> toLeave{};
-        for (const Inside& corner : m_inside) {
+        std::array<bool, 6> possible{};
+        for (Inside& corner : m_inside) {
             for (unsigned face = 0; face < 6; ++face) {
                 toLeave[face] = std::max(toLeave[face], depth(corner, face));
+                corner.ways[face] =
+                    !corner.flat && cornerFaces(corner.vertex, m_box.pose.rotation * faceNormal(face), m_settings.lean);
+                possible[face] = possible[face] || corner.ways[face];
             }
         }
-        const auto common = static_cast<unsigned>(std::min_element(toLeave.begin(), toLeave.end()) - toLeave.begin());
-        for (const Inside& corner : m_inside) {
-            if (corner.flat) {
-                continue;
+        unsigned common = none;
+        for (unsigned face = 0; face < 6; ++face) {
+            if (possible[face] && (common == none || toLeave[face] < toLeave[common])) {
+                common = face;
             }
-            unsigned chosen = 6;
+        }
+        for (const Inside& corner : m_inside) {
+            unsigned chosen = none;
             for (unsigned face = 0; face < 6; ++face) {
-                const bool candidate = face == common || depth(corner, face) < depth(corner, common);
-                const bool better = chosen == 6 || depth(corner, face) < depth(corner, chosen);
-                if (candidate && better &&
-                    cornerFaces(corner.vertex, m_box.pose.rotation * faceNormal(face), m_settings.lean)) {
+                if (corner.ways[face] && (face == common || depth(corner, face) < depth(corner, common)) &&
+                    (chosen == none || depth(corner, face) < depth(corner, chosen))) {
                     chosen = face;
                 }
             }
-            if (chosen < 6) {
+            if (chosen != none) {
                 add({detail::cornerKey(corner.vertex), detail::faceKey(27 + chosen)},
                     m_mesh.tree.vertices[corner.vertex], m_box.pose.rotation * faceNormal(chosen),
                     -depth(corner, chosen), corner.triangle);
@@ -252,6 +256,9 @@ class BoxContactFinder {
         onMesh.across = other == noNeighbour ? Vector3f(Vector3f::Zero()) : m_mesh.triangleNormals[other];
         onMesh.sharp = (m_mesh.traits[triangle] & (sharpEdge << edge)) != 0;
         onMesh.solid = m_mesh.solid;
+        if (onMesh.flat()) {
+            return;
+        }
         const detail::EdgeContacts contacts = detail::edgeContacts(onMesh, onBox, m_settings.lean, m_rounding);
         for (int i = 0; i < contacts.count; ++i) {
             SurfaceContact contact = contacts.contact[i];
@@ -266,10 +273,10 @@ class BoxContactFinder {
     [[nodiscard]] bool reallyCrossed(const detail::SurfaceEdge& onMesh, const detail::SurfaceEdge& onBox,
                                      const SurfaceContact& contact) const {
         const Vector3f inwards = (onMesh.own + onMesh.across).normalized() + (onBox.own + onBox.across).normalized();
-        const Vector3f middle = (contact.onA + contact.onB) / 2 + 0.25F * contact.signedDistance * inwards;
-        const Vector3f inBox = m_box.pose.rotation.transpose() * (middle - m_box.pose.translation);
+        const Vector3f shift = 0.25F * contact.signedDistance * inwards;
+        const Vector3f inBox = m_box.pose.rotation.transpose() * (contact.onA + shift - m_box.pose.translation);
         return (inBox.cwiseAbs().array() < m_box.half.array()).all() &&
-               detail::isInside(m_mesh, middle, std::numeric_limits<float>::infinity());
+               detail::isInside(m_mesh, contact.onB + shift, std::numeric_limits<float>::infinity());
     }
 
     void add(const detail::FeaturePairKey& key, const Vector3f& onA, const Vector3f& normal, float distance,
@@ -298,6 +305,7 @@ std::uint64_t boxContacts(const MeshModel& mesh, const BoxSolid& box, float maxD
     detail::ConvexScratch& scratch = detail::convexScratch();
     scratch.collector.clear();
     const std::uint64_t work = BoxContactFinder(mesh, box, maxDistance, settings, scratch, inside).run();
+    scratch.collector.thinCorners();
     scratch.collector.finish(1e-4F * std::min(mesh.tree.radius, box.half.norm()), out);
     return work;
 }

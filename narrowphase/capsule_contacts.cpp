@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -12,14 +14,20 @@ namespace grapeshot {
 namespace {
 
 using Eigen::Vector3f;
+using Inside = std::pair<detail::FeaturePairKey, SurfaceContact>;
 
 /// Between the ends of a capsule's axis: against corners and edges of the mesh. (Faces are nearest at an end, or all
 /// along.)
 class AxisContacts {
   public:
     AxisContacts(const MeshModel& mesh, const CapsuleSolid& capsule, float maxDistance,
-                 const LocalContactSettings& settings, detail::ContactCollector& out)
-        : m_mesh(mesh), m_capsule(capsule), m_maxDistance(maxDistance), m_settings(settings), m_out(out) {
+                 const LocalContactSettings& settings, detail::ContactCollector& out, std::vector<Inside>& inside)
+        : m_mesh(mesh),
+          m_capsule(capsule),
+          m_maxDistance(maxDistance),
+          m_settings(settings),
+          m_out(out),
+          m_inside(inside) {
         m_axis = capsule.to - capsule.from;
         m_squaredLength = m_axis.squaredNorm();
         m_rounding = detail::coordinateRounding(mesh.tree.radius + std::max(capsule.from.norm(), capsule.to.norm()));
@@ -29,6 +37,18 @@ class AxisContacts {
         for (unsigned i = 0; i < 3; ++i) {
             corner(triangle, i);
             edge(triangle, i);
+        }
+    }
+
+    /// Where the axis is inside the mesh, the shortest way out counts, and what agrees with it.
+    void finish() {
+        const auto shortest = std::max_element(m_inside.begin(), m_inside.end(), [](const auto& l, const auto& r) {
+            return l.second.signedDistance < r.second.signedDistance;
+        });
+        for (const auto& [key, contact] : m_inside) {
+            if (contact.normal.dot(shortest->second.normal) > 0.7F) {
+                m_out.add(key, contact);
+            }
         }
     }
 
@@ -59,13 +79,18 @@ class AxisContacts {
             normal = -normal;
             height = -distance;
         }
-        add(key, onA, onAxis, normal, height, triangle);
+        add(key, onA, onAxis, normal, height, outer, triangle);
     }
 
     void edge(std::uint32_t triangle, unsigned edge) {
         const Triangle& corner = m_mesh.tree.triangles[triangle];
         const Vector3f& from = m_mesh.tree.vertices[corner[edge]];
         const Vector3f along = m_mesh.tree.vertices[corner[(edge + 1) % 3]] - from;
+        const std::uint32_t other = m_mesh.topology.across[triangle][edge];
+        if (other != noNeighbour &&
+            (m_mesh.triangleNormals[triangle] - m_mesh.triangleNormals[other]).squaredNorm() < 4e-8F) {
+            return;  // inside a flat face
+        }
         const Vector3f cross = along.cross(m_axis);
         const float squaredArea = cross.squaredNorm();
         if (!(squaredArea > 1e-6F * along.squaredNorm() * m_squaredLength)) {
@@ -90,22 +115,26 @@ class AxisContacts {
         const float lean =
             sharp ? m_settings.lean : std::min(0.1F, 1e-3F + m_rounding / (std::abs(height) + m_rounding));
         if (detail::edgeIsExtremal(m_mesh, triangle, edge, -normal, lean)) {
-            add(key, onA, center, normal, height, triangle);
+            add(key, onA, center, normal, height, outer.normalized(), triangle);
         }
     }
 
     /// `height`: of the mesh above the axis; negative if the axis is inside the mesh there, which is then verified.
+    /// (The axis may run along other faces there, so the point is pulled inwards, against `outer`, by part of its
+    /// depth.)
     void add(const detail::FeaturePairKey& key, const Vector3f& onA, const Vector3f& onAxis, const Vector3f& normal,
-             float height, std::uint32_t triangle) {
+             float height, const Vector3f& outer, std::uint32_t triangle) {
         const float distance = height - m_capsule.radius;
         if (!(distance <= m_maxDistance)) {
             return;
         }
-        if (height < -8 * m_rounding &&
-            !(m_mesh.solid && detail::isInside(m_mesh, onAxis, std::numeric_limits<float>::infinity()))) {
-            return;
+        const SurfaceContact contact{onA, onA - distance * normal, normal, distance, triangle, noTriangle};
+        if (height >= -8 * m_rounding) {
+            m_out.add(key, contact);
+        } else if (m_mesh.solid &&
+                   detail::isInside(m_mesh, onAxis + 0.25F * height * outer, std::numeric_limits<float>::infinity())) {
+            m_inside.emplace_back(key, contact);
         }
-        m_out.add(key, {onA, onA - distance * normal, normal, distance, triangle, noTriangle});
     }
 
     const MeshModel& m_mesh;
@@ -113,6 +142,7 @@ class AxisContacts {
     float m_maxDistance;
     LocalContactSettings m_settings;
     detail::ContactCollector& m_out;
+    std::vector<Inside>& m_inside;
     Vector3f m_axis;
     float m_squaredLength = 0;
     float m_rounding = 0;
@@ -140,10 +170,13 @@ std::uint64_t capsuleContacts(const MeshModel& mesh, const CapsuleSolid& capsule
     const float reach = capsule.radius + maxDistance;
     scratch.candidates.inBox(mesh, capsule.from.cwiseMin(capsule.to).array() - reach,
                              capsule.from.cwiseMax(capsule.to).array() + reach);
-    AxisContacts between(mesh, capsule, maxDistance, settings, scratch.collector);
+    thread_local std::vector<Inside> inside;
+    inside.clear();
+    AxisContacts between(mesh, capsule, maxDistance, settings, scratch.collector, inside);
     for (const std::uint32_t triangle : scratch.candidates.triangles()) {
         between.triangle(triangle);
     }
+    between.finish();
     scratch.collector.finish(1e-4F * std::min(mesh.tree.radius, capsule.radius + length), out);
     return work + scratch.candidates.work();
 }

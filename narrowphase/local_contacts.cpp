@@ -255,7 +255,7 @@ class LocalContactFinder {
         }
     }
 
-    /// Edges have passed each other: is the place between them, pulled into both bodies, really inside both?
+    /// Edges have passed each other: is each, pulled into both bodies, really inside the other's?
     [[nodiscard]] bool reallyCrossed(const detail::SurfaceEdge& onA, const detail::SurfaceEdge& onB,
                                      const SurfaceContact& contact) const {
         const float depth = -contact.signedDistance;
@@ -263,10 +263,10 @@ class LocalContactFinder {
             return true;
         }
         const Vector3f inwards = (onA.own + onA.across).normalized() + (onB.own + onB.across).normalized();
-        const Vector3f middle = (contact.onA + contact.onB) / 2 - pull * depth * inwards;
+        const Vector3f shift = -pull * depth * inwards;
         constexpr float anyDistance = std::numeric_limits<float>::infinity();
-        return detail::isInside(m_a.model(), middle, anyDistance) &&
-               detail::isInside(m_b.model(), m_b.pointFromA(middle), anyDistance);
+        return detail::isInside(m_a.model(), contact.onB + shift, anyDistance) &&
+               detail::isInside(m_b.model(), m_b.pointFromA(contact.onA + shift), anyDistance);
     }
 
     /// The closest features of a pair of triangles, neither of them a face.
@@ -276,7 +276,7 @@ class LocalContactFinder {
         if (featureA >= 3 && featureB >= 3) {
             const detail::SurfaceEdge onA = m_a.edge(a, indexA);
             const detail::SurfaceEdge onB = m_b.edge(b, indexB);
-            if (!(onA.sharp && onB.sharp)) {
+            if (!(onA.sharp && onB.sharp) && !onA.flat() && !onB.flat()) {
                 edges(onA, a, indexA, onB, b, indexB);
             }
         } else if (featureA < 3) {
@@ -392,6 +392,7 @@ void localContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, std
     for (const TriangleContact& pair : pairs) {
         finder.pair(pair);
     }
+    collector.thinCorners();
     collector.finish(1e-4F * std::min(a.tree.radius, b.tree.radius), out);
 }
 

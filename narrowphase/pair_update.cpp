@@ -98,8 +98,13 @@ bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const Pa
 bool testCandidates(const MeshModel& a, const MeshModel& b, Query& query, const Pose& bInA,
                     const PairSettings& settings, const PairState& state, Purse& purse, PairResult& result,
                     Scratch& s) {
-    detail::nearPairs(a.tree, b.tree, bInA, state.candidates, settings.maxDistance, s.near);
-    query.contactsOf(s.near, bInA, settings.maxDistance, purse.left(), s.contacts);
+    // Without slack the traversal has just looked at the boxes.
+    std::span<const LeafPair> near = state.candidates;
+    if (settings.slack > 0.0F) {
+        detail::nearPairs(a.tree, b.tree, bInA, state.candidates, settings.maxDistance, s.near);
+        near = s.near;
+    }
+    query.contactsOf(near, bInA, settings.maxDistance, purse.left(), s.contacts);
     purse.pay(s.contacts.work);
     result.candidates = static_cast<std::uint32_t>(s.contacts.work);
     s.pairs.swap(s.contacts.pairs);
@@ -108,8 +113,9 @@ bool testCandidates(const MeshModel& a, const MeshModel& b, Query& query, const 
 
 /// Traversal and tests in turns, so that a small budget finds some contacts before it knows all candidates. The turns
 /// do not depend on the budget, so a larger one does what a smaller one does, and more. True if all were found.
-bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& query, const Pose& bInA,
+bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& traversal, const Pose& bInA,
                      const PairSettings& settings, PairState& state, Purse& purse, PairResult& result, Scratch& s) {
+    Query tests(a.tree, b.tree);  // the other one is to be resumed
     s.unordered.clear();
     s.tested.clear();
     s.leafPairs.pairs.clear();
@@ -124,9 +130,9 @@ bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& query, const
             slice.work = std::min(slice.work, turn);
             turn = std::min<std::uint64_t>(2 * turn, 32);
             if (started) {
-                query.resumeLeafPairs(slice, s.leafPairs);
+                traversal.resumeLeafPairs(slice, s.leafPairs);
             } else {
-                query.leafPairs(bInA, {reach, Order::bestFirst}, slice, s.leafPairs);
+                traversal.leafPairs(bInA, {reach, Order::bestFirst}, slice, s.leafPairs);
             }
             if (s.leafPairs.stop == StopReason::invalidInput) {
                 return false;
@@ -139,7 +145,7 @@ bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& query, const
         // One at a time, to know which contacts are whose.
         std::size_t done = 0;
         for (; done < s.near.size() && !purse.isEmpty(); ++done) {
-            query.contactsOf({&s.near[done], 1}, bInA, settings.maxDistance, purse.left(), s.contacts);
+            tests.contactsOf({&s.near[done], 1}, bInA, settings.maxDistance, purse.left(), s.contacts);
             purse.pay(s.contacts.work);
             if (!s.contacts.certain) {
                 break;
@@ -200,8 +206,10 @@ bool findPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const P
 void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, bool complete,
                   PairResult& result, Scratch& s) {
     s.found.clear();
-    localContacts(a, b, bInA, s.pairs, settings.local, s.found);
-    const std::size_t local = s.found.size();
+    LocalContactSettings local = settings.local;
+    local.maxDistance = std::min(local.maxDistance, settings.maxDistance);
+    localContacts(a, b, bInA, s.pairs, local, s.found);
+    const std::size_t localCount = s.found.size();
     const bool overlapping =
         std::any_of(s.pairs.begin(), s.pairs.end(), [](const TriangleContact& pair) { return pair.overlapping; });
     if (overlapping) {
@@ -214,7 +222,7 @@ void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         containmentContacts(a, b, bInA, s.found);
     }
     result.rawContacts = static_cast<std::uint32_t>(s.found.size());
-    result.deepContacts = static_cast<std::uint32_t>(s.found.size() - local);
+    result.deepContacts = static_cast<std::uint32_t>(s.found.size() - localCount);
     result.collides = overlapping || std::any_of(s.found.begin(), s.found.end(), [](const SurfaceContact& contact) {
                           return contact.signedDistance <= 0.0F;
                       });

@@ -14,70 +14,80 @@
 HWY_BEFORE_NAMESPACE();
 namespace grapeshot::detail::HWY_NAMESPACE {
 
-/// The touching pairs of children with their margins, not yet in order.
+/// What a node pair (or a leaf and a node) came to.
 struct Children {
-    alignas(64) float margin[16];
-    std::uint32_t mask;
-    Side a, b;  ///< the pair they came from
+    alignas(64) float margin[16];  ///< of each lane, m
+    std::uint32_t mask;            ///< lanes whose boxes touch
+    Side a[4], b[4];               ///< lane 4 i + j stands for a[i] and b[j]
 };
 
+/// The sides below an inner side, without a branch.
+HWY_INLINE void sidesBelow(const Node& node, Side side, Side (&out)[4]) {
+    for (std::uint32_t slot = 0; slot < 4; ++slot) {
+        const ChildRef child = node.child[slot];
+        out[slot] = isLeaf(child) ? (leafBit | side << 2U | slot) : child;
+    }
+}
+HWY_INLINE void sameSide(Side side, Side (&out)[4]) {
+    for (Side& entry : out) {
+        entry = side;
+    }
+}
+
 HWY_INLINE void test(const Descent& descent, Side a, Side b, Children& out) {
-    out.a = a;
-    out.b = b;
     if (!isLeaf(a) && !isLeaf(b)) [[likely]] {
-        const Float16 margin = marginsOf(descent.prepared, AllOfA{descent.nodesA + a}, AllOfB{descent.nodesB + b});
+        const Node& nodeA = descent.nodesA[a];
+        const Node& nodeB = descent.nodesB[b];
+        sidesBelow(nodeA, a, out.a);
+        sidesBelow(nodeB, b, out.b);
+        const Float16 margin = marginsOf(descent.prepared, AllOfA{&nodeA}, AllOfB{&nodeB});
         out.mask = touching(descent.prepared, margin);
         store(margin, out.margin);
     } else if (isLeaf(a)) {
         const OneChild leaf{descent.nodesA + (indexOf(a) >> 2U), a & 3U};
-        const Float16 margin = marginsOf(descent.prepared, leaf, AllOfB{descent.nodesB + b});
+        const Node& nodeB = descent.nodesB[b];
+        sameSide(a, out.a);
+        sidesBelow(nodeB, b, out.b);
+        const Float16 margin = marginsOf(descent.prepared, leaf, AllOfB{&nodeB});
         out.mask = touching(descent.prepared, margin) & 0x000fU;
         store(margin, out.margin);
     } else {
         const OneChild leaf{descent.nodesB + (indexOf(b) >> 2U), b & 3U};
-        const Float16 margin = marginsOf(descent.prepared, AllOfA{descent.nodesA + a}, leaf);
+        const Node& nodeA = descent.nodesA[a];
+        sidesBelow(nodeA, a, out.a);
+        sameSide(b, out.b);
+        const Float16 margin = marginsOf(descent.prepared, AllOfA{&nodeA}, leaf);
         out.mask = touching(descent.prepared, margin) & 0x1111U;
         store(margin, out.margin);
     }
 }
 
-/// The side below `side` at `slot`; a leaf side stays itself.
-HWY_INLINE Side below(const Node* nodes, Side side, std::uint32_t slot) {
-    if (isLeaf(side)) {
-        return side;
+/// Pushes the touching children, the one with the largest margin last, so that it is taken up next; the others stay in
+/// the order of their lanes. Sorting them all costs more in mispredicted branches than it saves in steps.
+HWY_INLINE void push(Descent& descent, const Children& children) {
+    if (descent.depth + 16 > descent.capacity) [[unlikely]] {
+        descent.grow(descent);
     }
-    const ChildRef child = nodes[side].child[slot];
-    return isLeaf(child) ? (leafBit | side << 2U | slot) : child;
-}
-
-/// Appends the touching children, the one with the largest margin last, so that it is taken up next. The others stay
-/// in the order of their lanes: sorting them all costs more in mispredicted branches than it saves in steps.
-HWY_INLINE int append(const Descent& descent, const Children& children, SidePair* pairs) {
-    int count = 0;
-    int deepest = 0;
+    SidePair* pairs = descent.stack + descent.depth;
+    std::size_t count = 0;
+    std::size_t deepest = 0;
     std::int32_t largest = std::numeric_limits<std::int32_t>::min();
     for (std::uint32_t rest = children.mask; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
         // Floats that are not negative are ordered like their bits; those that are lie within the threshold anyway.
         std::int32_t margin;
         std::memcpy(&margin, children.margin + lane, sizeof(margin));
-        pairs[count] = sidePair(below(descent.nodesA, children.a, lane >> 2U),
-                                below(descent.nodesB, children.b, lane & 3U));
-        deepest = margin >= largest ? count : deepest;
-        largest = margin >= largest ? margin : largest;
+        pairs[count] = sidePair(children.a[lane >> 2U], children.b[lane & 3U]);
+        deepest = margin > largest ? count : deepest;
+        largest = margin > largest ? margin : largest;
         ++count;
     }
-    const SidePair last = pairs[count == 0 ? 0 : count - 1];
-    pairs[count == 0 ? 0 : count - 1] = pairs[deepest];
-    pairs[deepest] = last;
-    return count;
-}
-
-HWY_INLINE void push(Descent& descent, const Children& children) {
-    if (descent.depth + 16 > descent.capacity) [[unlikely]] {
-        descent.grow(descent);
+    if (count != 0) {
+        const SidePair last = pairs[count - 1];
+        pairs[count - 1] = pairs[deepest];
+        pairs[deepest] = last;
+        descent.depth += count;
     }
-    descent.depth += static_cast<std::size_t>(append(descent, children, descent.stack + descent.depth));
 }
 
 DescentEnd toOverlap(Descent& descent, std::uint64_t units) {
@@ -88,7 +98,8 @@ DescentEnd toOverlap(Descent& descent, std::uint64_t units) {
         ++descent.work;
         const SidePair pair = descent.stack[--descent.depth];
         if (bothLeaves(pair)) {
-            const std::uint32_t lanes = overlapsLeaves(blockA(descent, pair).corner, blockB(descent, pair).corner, descent.pose);
+            const std::uint32_t lanes =
+                overlapsLeaves(blockA(descent, pair).corner, blockB(descent, pair).corner, descent.pose);
             if (lanes != 0) {
                 descent.found = pair;
                 descent.lanes = lanes;
@@ -130,8 +141,7 @@ int touchingChildren(const Descent& descent, SidePair pair, TouchingChild (&chil
     int count = 0;
     for (std::uint32_t rest = touched.mask; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        children[count].pair = sidePair(below(descent.nodesA, touched.a, lane >> 2U),
-                                        below(descent.nodesB, touched.b, lane & 3U));
+        children[count].pair = sidePair(touched.a[lane >> 2U], touched.b[lane & 3U]);
         children[count].margin = touched.margin[lane];
         ++count;
     }

@@ -129,8 +129,8 @@ HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
                          a.fourOf(nodeA.normal[i]));
     }
     const auto turned = [&](int row) HWY_ATTR {
-        return Quarters(abs(load(pose.turn[row][0]) * in[0] + load(pose.turn[row][1]) * in[1] +
-                            load(pose.turn[row][2]) * in[2]));
+        return Quarters(
+            abs(load(pose.turn[row][0]) * in[0] + load(pose.turn[row][1]) * in[1] + load(pose.turn[row][2]) * in[2]));
     };
     const Quarters turned0 = turned(0);
     const Quarters turned1 = turned(1);
@@ -161,14 +161,13 @@ HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
 
     const Float16 heightB = a.wideOf(nodeA.normal[0]) * apart[0] + a.wideOf(nodeA.normal[1]) * apart[1] +
                             a.wideOf(nodeA.normal[2]) * apart[2];
-    const Float16 radiusB = turned0.spread(3) * halfB[0] + turned1.spread(3) * halfB[1] +
-                            turned2.spread(3) * halfB[2];
+    const Float16 radiusB = turned0.spread(3) * halfB[0] + turned1.spread(3) * halfB[1] + turned2.spread(3) * halfB[2];
     margin = min(margin, min(a.wideOf(nodeA.slabHigh) - heightB, heightB - a.wideOf(nodeA.slabLow)) + radiusB);
 
     const Float16 depthA = b.wideOf(nodeB.normal[0]) * apartInB[0] + b.wideOf(nodeB.normal[1]) * apartInB[1] +
                            b.wideOf(nodeB.normal[2]) * apartInB[2];
-    const Float16 radiusA = turned0.repeated(2) * halfA[0] + turned1.repeated(2) * halfA[1] +
-                            turned2.repeated(2) * halfA[2];
+    const Float16 radiusA =
+        turned0.repeated(2) * halfA[0] + turned1.repeated(2) * halfA[1] + turned2.repeated(2) * halfA[2];
     margin = min(margin, min(b.wideOf(nodeB.slabHigh) + depthA, -depthA - b.wideOf(nodeB.slabLow)) + radiusA);
     return margin;
 }

@@ -9,10 +9,10 @@ namespace grapeshot::detail {
 
 /// In double, so that the sum over a million triangles is as good as its parts.
 struct SurfaceMoments {
-    double area = 0;                                         ///< m^2
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();          ///< m
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();    ///< about the mean, m^2
-    Eigen::Vector3d normalSum = Eigen::Vector3d::Zero();     ///< m^2
+    double area = 0;                                       ///< m^2
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();        ///< m
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< about the mean, m^2
+    Eigen::Vector3d normalSum = Eigen::Vector3d::Zero();   ///< m^2
 };
 
 [[nodiscard]] SurfaceMoments momentsOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);

@@ -1,12 +1,15 @@
-// Closest points of sixteen pairs of triangles that do not overlap: the nearest of nine edge-edge and six corner-face
-// candidates, then refined.
+// Closest points of sixteen pairs of triangles that do not overlap: the nearest
+// of nine edge-edge and six corner-face candidates, then refined.
 //
 // This work is based on:
-// Christer Ericson. Real-Time Collision Detection. 2005, sections 5.1.5 (corner and face), 5.1.9 (segments)
+// Christer Ericson. Real-Time Collision Detection. 2005, sections 5.1.5 (corner
+// and face), 5.1.9 (segments)
 //
-// Every candidate is a point D = R + s U + t V of the difference of the two triangles and is compared by |D|^2 of the
-// evaluated vector, never by a formula that cancels: what is reported is the distance of two points of the triangles,
-// so it can only be too large, and after the refinement that is of second order.
+// Every candidate is a point D = R + s U + t V of the difference of the two
+// triangles and is compared by |D|^2 of the evaluated vector, never by a
+// formula that cancels: what is reported is the distance of two points of the
+// triangles, so it can only be too large, and after the refinement that is of
+// second order.
 //
 // No #pragma once: see wide.hpp.
 #if defined(GRAPESHOT_CORE_DETAIL_DISTANCE_WIDE_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -22,7 +25,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace grapeshot::detail::HWY_NAMESPACE {
 
-/// Corners and edges of both triangles relative to A's first corner, scaled so that the largest entry is in [1, 2).
+/// Corners and edges of both triangles relative to A's first corner, scaled so
+/// that the largest entry is in [1, 2).
 struct Outlines16 {
     Vector16 a[3], e[3];  ///< A's corners; edge i runs from corner i to the next
     Vector16 b[3], g[3];
@@ -39,13 +43,14 @@ HWY_INLINE Float16 clamp01(Float16 x) {
     return min(max(x, wide(0)), wide(1));
 }
 
-/// Squares of edges shorter than 1e-12 of the extent count as zero: such an edge is a point.
+/// Squares of edges shorter than 1e-12 of the extent count as zero: such an
+/// edge is a point.
 HWY_INLINE Float16 leastSquare() {
     return wide(1e-24F);
 }
 
-/// The best candidate so far. Codes: 3 i + j for edges i and j, 9 + k for A's corner k and B's face, 12 + k for B's
-/// corner k and A's face.
+/// The best candidate so far. Codes: 3 i + j for edges i and j, 9 + k for A's
+/// corner k and B's face, 12 + k for B's corner k and A's face.
 struct Nearest16 {
     Float16 squared, s, t, code;
 };
@@ -58,29 +63,91 @@ HWY_INLINE void takeIfNearer(Nearest16& best, Mask16 allowed, Float16 squared, F
     best.code = select(nearer, wide(code), best.code);
 }
 
-HWY_INLINE void tryEdges(Nearest16& best, const Outlines16& o) {
+/// The nine pairs of edges. Worked on in stages, each of which is nine independent short chains: the processor overlaps
+/// those, but not nine long ones.
+struct EdgePairs16 {
     Float16 ee[3], gg[3], overE[3], overG[3];
+    Float16 eg[9], er[9];  ///< r = a_i - b_j
+    Float16 s[9], t[9], squared[9];
+};
+
+HWY_INLINE Vector16 edgeDifference(const Outlines16& o, int i, int j, Float16 s, Float16 t) {
+    return o.a[i] - o.b[j] + o.e[i] * s - o.g[j] * t;
+}
+
+/// Between almost parallel edges the determinant has lost the crossing, and the pair may seem up to 3e-4 of the length
+/// too far apart. One Newton step from the evaluated difference, with the determinant from the cross product, for those
+/// that could be the nearest.
+HWY_INLINE void crossAgain(EdgePairs16& p, const Outlines16& o, int i, int j, Mask16 where) {
+    const int k = 3 * i + j;
+    const Vector16 n = cross(o.e[i], o.g[j]);
+    const Vector16 d = edgeDifference(o, i, j, p.s[k], p.t[k]);
+    const Float16 over = reciprocalAbove(dot(n, n), p.ee[i] * p.gg[j] * wide(1e-11F) + wide(1e-36F));
+    const Float16 de = dot(d, o.e[i]);
+    const Float16 dg = dot(d, o.g[j]);
+    const Float16 s0 = clamp01(p.s[k] + (p.eg[k] * dg - p.gg[j] * de) * over);
+    const Float16 t = clamp01(p.t[k] + (dg + p.eg[k] * (s0 - p.s[k])) * p.overG[j]);
+    const Float16 s = clamp01(p.s[k] + (p.eg[k] * (t - p.t[k]) - de) * p.overE[i]);
+    const Vector16 moved = edgeDifference(o, i, j, s, t);
+    const Float16 squared = dot(moved, moved);
+    const Mask16 better = where & (squared < p.squared[k]);
+    p.squared[k] = select(better, squared, p.squared[k]);
+    p.s[k] = select(better, s, p.s[k]);
+    p.t[k] = select(better, t, p.t[k]);
+}
+
+HWY_INLINE void tryEdges(Nearest16& best, const Outlines16& o) {
+    EdgePairs16 p;
     for (int i = 0; i < 3; ++i) {
-        ee[i] = dot(o.e[i], o.e[i]);
-        gg[i] = dot(o.g[i], o.g[i]);
-        overE[i] = reciprocalAbove(ee[i], leastSquare());
-        overG[i] = reciprocalAbove(gg[i], leastSquare());
+        p.ee[i] = dot(o.e[i], o.e[i]);
+        p.gg[i] = dot(o.g[i], o.g[i]);
+        p.overE[i] = reciprocalAbove(p.ee[i], leastSquare());
+        p.overG[i] = reciprocalAbove(p.gg[i], leastSquare());
     }
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
+            const int k = 3 * i + j;
             const Vector16 r = o.a[i] - o.b[j];
-            const Float16 er = dot(o.e[i], r);
             const Float16 gr = dot(o.g[j], r);
-            const Float16 eg = dot(o.e[i], o.g[j]);
-            const Float16 product = ee[i] * gg[j];
+            p.er[k] = dot(o.e[i], r);
+            p.eg[k] = dot(o.e[i], o.g[j]);
+            const Float16 product = p.ee[i] * p.gg[j];
             // Edges closer to parallel than rounding lets the determinant tell: any s will do to begin with.
-            const Float16 over = reciprocalAbove(product - eg * eg, product * wide(4e-7F) + wide(1e-36F));
-            const Float16 s0 = clamp01((eg * gr - er * gg[j]) * over);
-            const Float16 t = clamp01((eg * s0 + gr) * overG[j]);
-            const Float16 s = clamp01((eg * t - er) * overE[i]);
-            const Vector16 d = r + o.e[i] * s - o.g[j] * t;
-            takeIfNearer(best, allLanes(), dot(d, d), s, t, static_cast<float>(3 * i + j));
+            const Float16 over = reciprocalAbove(product - p.eg[k] * p.eg[k], product * wide(4e-7F) + wide(1e-36F));
+            p.s[k] = clamp01((p.eg[k] * gr - p.er[k] * p.gg[j]) * over);
+            p.t[k] = clamp01((p.eg[k] * p.s[k] + gr) * p.overG[j]);
         }
+    }
+    Float16 nearest = best.squared;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const int k = 3 * i + j;
+            p.s[k] = clamp01((p.eg[k] * p.t[k] - p.er[k]) * p.overE[i]);
+            const Vector16 d = edgeDifference(o, i, j, p.s[k], p.t[k]);
+            p.squared[k] = dot(d, d);
+            nearest = min(nearest, p.squared[k]);
+        }
+    }
+    Mask16 doubtful[9];
+    Mask16 anyDoubtful = noLane();
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            const int k = 3 * i + j;
+            const Float16 product = p.ee[i] * p.gg[j];
+            doubtful[k] = (product - p.eg[k] * p.eg[k] < product * wide(0.01F)) &
+                          (p.squared[k] - max(p.ee[i], p.gg[j]) * wide(2e-7F) < nearest);
+            anyDoubtful = anyDoubtful | doubtful[k];
+        }
+    }
+    if (any(anyDoubtful)) {
+        for (int k = 0; k < 9; ++k) {
+            if (any(doubtful[k])) {
+                crossAgain(p, o, k / 3, k % 3, doubtful[k]);
+            }
+        }
+    }
+    for (int k = 0; k < 9; ++k) {
+        takeIfNearer(best, allLanes(), p.squared[k], p.s[k], p.t[k], static_cast<float>(k));
     }
 }
 
@@ -88,18 +155,14 @@ HWY_INLINE void tryEdges(Nearest16& best, const Outlines16& o) {
 HWY_INLINE void tryFace(Nearest16& best, const Vector16 (&corners)[3], Vector16 origin, Vector16 u, Vector16 v,
                         Vector16 normal, float firstCode) {
     const Float16 zero = wide(0);
-    const Float16 uu = dot(u, u);
-    const Float16 vv = dot(v, v);
-    const Float16 uv = dot(u, v);
     // A face lower than 1e-6 of its length has nothing that its edges do not have.
-    const Float16 over = reciprocalAbove(dot(normal, normal), uu * vv * wide(1e-12F) + wide(1e-36F));
+    const Float16 over = reciprocalAbove(dot(normal, normal), dot(u, u) * dot(v, v) * wide(1e-12F) + wide(1e-36F));
     const Mask16 isFace = over > zero;
     for (int k = 0; k < 3; ++k) {
         const Vector16 r = corners[k] - origin;
-        const Float16 ru = dot(r, u);
-        const Float16 rv = dot(r, v);
-        const Float16 s = (vv * ru - uv * rv) * over;
-        const Float16 t = (uu * rv - uv * ru) * over;
+        // By areas: the Gram matrix of u and v loses the width of a sliver.
+        const Float16 s = dot(cross(r, v), normal) * over;
+        const Float16 t = dot(cross(u, r), normal) * over;
         const Vector16 d = r - u * s - v * t;
         const Mask16 inside = isFace & (s >= zero) & (t >= zero) & (s + t <= wide(1));
         takeIfNearer(best, inside, dot(d, d), s, t, firstCode + static_cast<float>(k));
@@ -137,7 +200,8 @@ HWY_INLINE Candidate16 decode(const Outlines16& o, Float16 code) {
     return c;
 }
 
-/// Newton steps on |D|^2 from the evaluated D: repairs what the determinant loses between almost parallel edges.
+/// Newton steps on |D|^2 from the evaluated D: repairs what the determinant
+/// loses between almost parallel edges.
 HWY_INLINE void refine(const Candidate16& c, Float16& s, Float16& t, Vector16& d) {
     const Float16 zero = wide(0);
     const Mask16 face = c.faceOfA | c.faceOfB;

@@ -1,18 +1,22 @@
-// Separating axes of sixteen triangle pairs in single precision, with a bound on its error: each lane is proven
-// separated, proven overlapping, or left open. Open lanes go to hard_triangles.hpp; on random pairs that is one in
+// Separating axes of sixteen triangle pairs in single precision, with a bound
+// on its error: each lane is proven separated, proven overlapping, or left
+// open. Open lanes go to hard_triangles.hpp; on random pairs that is one in
 // some thousands.
 //
 // This work is based on:
 // Stefan Gottschalk. Separating axis theorem. TR96-024, UNC Chapel Hill. 1996
 //
-// Notation. A has the corners 0, a1, a2 and B the corners c, c + f1, c + f2: everything is relative to A's first
-// corner. Edges run around: A's e0 = a1, e1 = a2 - a1, e2 = -a2; B's g0 = f1, g1 = f2 - f1, g2 = -f2. Normals nA = a1 x
+// Notation. A has the corners 0, a1, a2 and B the corners c, c + f1, c + f2:
+// everything is relative to A's first corner. Edges run around: A's e0 = a1, e1
+// = a2 - a1, e2 = -a2; B's g0 = f1, g1 = f2 - f1, g2 = -f2. Normals nA = a1 x
 // a2, nB = f1 x f2. Along an axis e_i x g_j, the start of B's edge is at
 //     s_ij = (e_i x g_j) . (b_j - a_i)
-// seen from A's edge, A's third corner at u_j = -nA . g_j and B's third corner at w_i = e_i . nB from its edge. So A
-// covers [0, u] and B s + [0, w], and they are apart by (|2 s + w - u| - |w| - |u|) / 2 (negative: they overlap by that
-// much). By Laplace expansion all nine s_ij are sums of ten triple products: nA . {f1, f2, c}, nB . {a1, a2, c} and
-// x_kl = a_k . (c x f_l). The axes are never formed.
+// seen from A's edge, A's third corner at u_j = -nA . g_j and B's third corner
+// at w_i = e_i . nB from its edge. So A covers [0, u] and B s + [0, w], and
+// they are apart by (|2 s + w - u| - |w| - |u|) / 2 (negative: they overlap by
+// that much). By Laplace expansion all nine s_ij are sums of ten triple
+// products: nA . {f1, f2, c}, nB . {a1, a2, c} and x_kl = a_k . (c x f_l). The
+// axes are never formed.
 //
 // No #pragma once: see wide.hpp.
 #if defined(GRAPESHOT_CORE_DETAIL_OVERLAP_WIDE_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -31,7 +35,8 @@ namespace grapeshot::detail::HWY_NAMESPACE {
 struct Pairs16 {
     Vector16 origin;  ///< A's first corner
     Vector16 a1, a2, c, f1, f2;
-    Float16 sizeA, sizeB, offset;  ///< largest |coordinate| of a1 and a2, of f1 and f2, of c
+    Float16 sizeA, sizeB,
+        offset;  ///< largest |coordinate| of a1 and a2, of f1 and f2, of c
 };
 
 HWY_INLINE Float16 largest(Vector16 v) {
@@ -147,14 +152,23 @@ HWY_INLINE Mask16 inRange(const Pairs16& t) {
     return (min(t.sizeA, t.sizeB) > wide(1e-8F)) & (max(max(t.sizeA, t.sizeB), t.offset) < wide(1e8F));
 }
 
-/// `range`: lanes that may be decided here. The bounds: a triple product of vectors with entries up to x, y, z has an
-/// error below 30 x y z u, u = 2^-24; the sums over them add up to less than 128 u (normals) and 600 u (edges).
+/// The bounds: a triple product of vectors with entries up to x, y, z has an
+/// error below 30 x y z u, u = 2^-24; the sums over them add up to less than
+/// 128 u (normals) and 600 u (edges).
+HWY_INLINE Float16 normalBoundA(const Pairs16& t) {
+    return wide(0x1p-16F) * (t.sizeA * t.sizeA) * (t.sizeB + t.offset);
+}
+HWY_INLINE Float16 normalBoundB(const Pairs16& t) {
+    return wide(0x1p-16F) * (t.sizeB * t.sizeB) * (t.sizeA + t.offset);
+}
+
 HWY_INLINE Verdict16 normalVerdict(const Pairs16& t, const NormalGaps16& gaps) {
-    const Float16 boundA = wide(0x1p-16F) * (t.sizeA * t.sizeA) * (t.sizeB + t.offset);
-    const Float16 boundB = wide(0x1p-16F) * (t.sizeB * t.sizeB) * (t.sizeA + t.offset);
+    const Float16 boundA = normalBoundA(t);
+    const Float16 boundB = normalBoundB(t);
     return {(gaps.alongA > boundA) | (gaps.alongB > boundB), (gaps.alongA < -boundA) & (gaps.alongB < -boundB)};
 }
 
+/// `range`: lanes that may be decided here.
 HWY_INLINE Verdict16 edgeVerdict(const Pairs16& t, const Normals16& n, const EdgeGaps16& gaps, Mask16 range,
                                  Verdict16 sofar) {
     const Float16 reach = t.sizeA + t.sizeB + t.offset;

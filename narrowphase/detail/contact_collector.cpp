@@ -42,7 +42,7 @@ void ContactCollector::add(const FeaturePairKey& key, const SurfaceContact& cont
     m_found.push_back({key, contact});
 }
 
-void ContactCollector::thinCorners(std::uint64_t FeaturePairKey::*side) {
+void ContactCollector::thinCornersOf(std::uint64_t FeaturePairKey::*side) {
     m_order.clear();
     for (std::uint32_t i = 0; i < m_found.size(); ++i) {
         if (m_found[i].alive && isCorner(m_found[i].key.*side)) {
@@ -66,6 +66,11 @@ void ContactCollector::thinCorners(std::uint64_t FeaturePairKey::*side) {
             other.alive = other.alive && other.contact.normal.dot(kept.contact.normal) < oneDirection;
         }
     }
+}
+
+void ContactCollector::thinCorners() {
+    thinCornersOf(&FeaturePairKey::a);
+    thinCornersOf(&FeaturePairKey::b);
 }
 
 void ContactCollector::thinPlaces(float merge) {
@@ -99,8 +104,6 @@ void ContactCollector::thinPlaces(float merge) {
 }
 
 void ContactCollector::finish(float merge, std::vector<SurfaceContact>& out) {
-    thinCorners(&FeaturePairKey::a);
-    thinCorners(&FeaturePairKey::b);
     thinPlaces(merge);
     std::sort(m_order.begin(), m_order.end(), [&](std::uint32_t i, std::uint32_t j) {
         const Found& l = m_found[i];

@@ -21,8 +21,10 @@ class ContactCollector {
     /// Adds a contact under a key for which isNew was true.
     void add(const FeaturePairKey& key, const SurfaceContact& contact);
 
-    /// Appends what is left, sorted by feature keys: of the contacts of one corner in almost one direction the
-    /// shallowest (nearest to zero distance), and of contacts at one place (within `merge`, m) in one direction the
+    /// Of the contacts of one corner in almost one direction only the shallowest (nearest to zero distance) stays: a
+    /// corner above or below several faces of a curved surface. Not for round bodies.
+    void thinCorners();
+    /// Appends what is left, sorted by feature keys; of contacts at one place (within `merge`, m) in one direction the
     /// first.
     void finish(float merge, std::vector<SurfaceContact>& out);
 
@@ -33,7 +35,7 @@ class ContactCollector {
         bool alive = true;
     };
 
-    void thinCorners(std::uint64_t FeaturePairKey::*side);
+    void thinCornersOf(std::uint64_t FeaturePairKey::*side);
     void thinPlaces(float merge);
 
     KeyTable m_seen;

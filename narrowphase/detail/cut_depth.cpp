@@ -23,14 +23,19 @@ class Marks {
             std::fill(m_mark.begin(), m_mark.end(), 0U);
             m_now = 0;
         }
-        m_now += 2;
+        m_now += 4;
     }
-    void block(std::uint32_t vertex) { m_mark[vertex] = m_now - 1; }
-    void visit(std::uint32_t vertex) { m_mark[vertex] = m_now; }
-    [[nodiscard]] bool isBlocked(std::uint32_t vertex) const { return m_mark[vertex] == m_now - 1; }
-    [[nodiscard]] bool isVisited(std::uint32_t vertex) const { return m_mark[vertex] == m_now; }
+    void block(std::uint32_t vertex) { set(vertex, 1); }
+    void visit(std::uint32_t vertex) { set(vertex, 2); }
+    [[nodiscard]] bool isBlocked(std::uint32_t vertex) const { return (bits(vertex) & 1U) != 0; }
+    [[nodiscard]] bool isVisited(std::uint32_t vertex) const { return (bits(vertex) & 2U) != 0; }
 
   private:
+    [[nodiscard]] std::uint32_t bits(std::uint32_t vertex) const {
+        return m_mark[vertex] > m_now ? m_mark[vertex] - m_now : 0;
+    }
+    void set(std::uint32_t vertex, std::uint32_t bit) { m_mark[vertex] = m_now + (bits(vertex) | bit); }
+
     std::vector<std::uint32_t> m_mark;
     std::uint32_t m_now = 0;
 };
@@ -52,8 +57,8 @@ void visitInside(const MeshModel& mesh, bool isA, std::span<const CutPiece> piec
             use(mesh.topology.welded[corners[i]], (inside >> i & 1U) != 0);
         }
     };
-    // The flood must not leave over a crossing triangle's outer corners. A corner that some pair calls inside (an edge
-    // of the other mesh is near) is let in; the ray decides later.
+    // The flood must not leave over a crossing triangle's outer corners. A corner that one pair calls inside and another
+    // outside (an edge of the other mesh is near) is measured, since the ray decides, but not passed.
     for (const CutPiece& piece : pieces) {
         cornersInside(piece, [&](std::uint32_t vertex, bool inside) {
             if (!inside) {
@@ -78,6 +83,9 @@ void visitInside(const MeshModel& mesh, bool isA, std::span<const CutPiece> piec
         const Keyed deepest = heap.back();
         heap.pop_back();
         visited.push_back(deepest);
+        if (marks.isBlocked(deepest.second)) {
+            continue;
+        }
         for (const std::uint32_t neighbour : mesh.topology.ringOf(deepest.second)) {
             if (!marks.isVisited(neighbour) && !marks.isBlocked(neighbour)) {
                 push(neighbour);

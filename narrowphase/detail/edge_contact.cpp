@@ -27,20 +27,26 @@ bool extremal(const SurfaceEdge& edge, const Vector3f& along, const Vector3f& to
     return edge.own.dot(side) <= limit && -edge.across.dot(side) <= limit;
 }
 
-/// The outward normal (of B) of the first nearly parallel pair of faces; zero if there is none.
+/// The common normal of the most parallel pair of faces, on B pointing to A where solids say so; zero if none is nearly
+/// parallel. The mean of both, so that A and B can be exchanged.
 Vector3f parallelFaceNormal(const SurfaceEdge& a, const SurfaceEdge& b) {
+    const bool bothSolid = a.solid && b.solid;
+    float best = parallelFaces;
+    Vector3f normal = Vector3f::Zero();
     for (const Vector3f* faceB : {&b.own, &b.across}) {
         for (const Vector3f* faceA : {&a.own, &a.across}) {
-            const float cosine = faceA->dot(*faceB);
-            if (cosine < -parallelFaces) {
-                return *faceB;
-            }
-            if (cosine > parallelFaces && !(a.solid && b.solid)) {
-                return b.solid ? *faceB : Vector3f(-*faceA);
+            const float facing = -faceA->dot(*faceB);
+            if (facing > best || (!bothSolid && -facing > best)) {
+                best = std::abs(facing);
+                const Vector3f fromA = facing > 0 ? Vector3f(-*faceA) : *faceA;
+                normal = (*faceB + fromA).normalized();
+                if (a.solid && !b.solid && faceA->dot(normal) > 0) {
+                    normal = -normal;
+                }
             }
         }
     }
-    return Vector3f::Zero();
+    return normal;
 }
 
 EdgeContacts alongParallel(const SurfaceEdge& a, const SurfaceEdge& b, float rounding) {

@@ -14,16 +14,17 @@ struct Box {
 Box boxOf(const LeafBlock& leaf) {
     Box box;
     for (int axis = 0; axis < 3; ++axis) {
-        float low = leaf.corner[0][axis][0];
-        float high = low;
-        for (const auto& corner : leaf.corner) {
-            for (const float value : corner[axis]) {
-                low = std::min(low, value);
-                high = std::max(high, value);
-            }
+        const auto& c = leaf.corner;
+        float low[4];
+        float high[4];
+        for (int lane = 0; lane < 4; ++lane) {
+            low[lane] = std::min(std::min(c[0][axis][lane], c[1][axis][lane]), c[2][axis][lane]);
+            high[lane] = std::max(std::max(c[0][axis][lane], c[1][axis][lane]), c[2][axis][lane]);
         }
-        box.center[axis] = 0.5F * (low + high);
-        box.half[axis] = 0.5F * (high - low);
+        const float lowest = std::min(std::min(low[0], low[1]), std::min(low[2], low[3]));
+        const float highest = std::max(std::max(high[0], high[1]), std::max(high[2], high[3]));
+        box.center[axis] = 0.5F * (lowest + highest);
+        box.half[axis] = 0.5F * (highest - lowest);
     }
     return box;
 }
@@ -44,9 +45,14 @@ void nearPairs(const Tree& a, const Tree& b, const Pose& bInA, std::span<const L
             boxA = boxOf(a.leaves[leafA]);
         }
         const Box boxB = boxOf(b.leaves[pair.leafB]);
-        const Eigen::Vector3f half = boxA.half + turn * boxB.half;
-        const Eigen::Vector3f apart = (apply(bInA, boxB.center) - boxA.center).cwiseAbs() - half;
-        if (apart.cwiseMax(0.0F).squaredNorm() <= limit * limit) {
+        const Eigen::Vector3f offset = apply(bInA, boxB.center) - boxA.center;
+        const Eigen::Vector3f apartInA = offset.cwiseAbs() - (boxA.half + turn * boxB.half);
+        if (apartInA.cwiseMax(0.0F).squaredNorm() > limit * limit) {
+            continue;
+        }
+        const Eigen::Vector3f apartInB =
+            (bInA.rotation.transpose() * offset).cwiseAbs() - (boxB.half + turn.transpose() * boxA.half);
+        if (apartInB.cwiseMax(0.0F).squaredNorm() <= limit * limit) {
             out.push_back(pair);
         }
     }

@@ -68,13 +68,13 @@ TEST(MeshModel, CornerNormalsDoNotDependOnTheTriangulation) {
 
 // The law of pseudonormals: the sign of (x - closest) . normal is the side, whatever the closest feature.
 TEST(MeshModel, PseudonormalsTellInsideFromOutside) {
-    const Mesh mesh = scenes::cup(1, 0.2F, 1.5F, 12, 3);
+    const Mesh mesh = scenes::bumpySphere(1, 0.5F, 4, 3);
     const MeshModel model = makeModel(mesh.view());
     test::Random random(7);
     int corners = 0;
     int inside = 0;
     for (int i = 0; i < 3000; ++i) {
-        const Vector3f x(static_cast<float>(random.uniform(-1.3, 1.3)), static_cast<float>(random.uniform(-1.2, 1.9)),
+        const Vector3f x(static_cast<float>(random.uniform(-1.3, 1.3)), static_cast<float>(random.uniform(-1.3, 1.3)),
                          static_cast<float>(random.uniform(-1.3, 1.3)));
         const auto closest = closestPoint(model.tree, x, 10);
         ASSERT_TRUE(closest);
@@ -88,7 +88,7 @@ TEST(MeshModel, PseudonormalsTellInsideFromOutside) {
         inside += in ? 1 : 0;
     }
     EXPECT_GT(corners, 100);
-    (void)inside;
+    EXPECT_GT(inside, 5);
 }
 
 TEST(MeshModel, TraitsOfABox) {

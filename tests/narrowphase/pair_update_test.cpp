@@ -74,12 +74,11 @@ struct Pair {
 
 std::vector<Pair> pairs() {
     std::vector<Pair> all;
+    all.push_back({"blocks", modelOf(scenes::box({1, 0.5F, 1}, 8)), modelOf(scenes::box({0.3F, 0.2F, 0.4F}, 5)), 0.7F});
     all.push_back(
-        {"blocks", modelOf(scenes::box({1, 0.5F, 1}, 10)), modelOf(scenes::box({0.3F, 0.2F, 0.4F}, 6)), 0.7F});
+        {"tori", modelOf(scenes::torus(0.6F, 0.2F, 28, 12)), modelOf(scenes::torus(0.5F, 0.15F, 28, 12)), 0.33F});
     all.push_back(
-        {"tori", modelOf(scenes::torus(0.6F, 0.2F, 40, 16)), modelOf(scenes::torus(0.5F, 0.15F, 40, 16)), 0.33F});
-    all.push_back(
-        {"ball in cup", modelOf(scenes::cup(0.6F, 0.1F, 0.6F, 32, 10)), modelOf(scenes::sphere(0.3F, 6)), 0.1F});
+        {"ball in cup", modelOf(scenes::cup(0.6F, 0.1F, 0.6F, 24, 7)), modelOf(scenes::sphere(0.3F, 4)), 0.1F});
     return all;
 }
 
@@ -111,8 +110,7 @@ TEST(PairUpdate, KeptCandidatesGiveTheSameBytesAsAFreshTraversal) {
         kept.slack = 0.05F;
         PairState freshState, keptState;
         std::size_t traversals = 0, contacts = 0;
-        std::uint64_t freshWork = 0, keptWork = 0;
-        const int steps = static_cast<int>(test::sampleSize(150, 1000));
+        const int steps = static_cast<int>(test::sampleSize(100, 1000));
         for (int i = 0; i < steps; ++i) {
             const Pose pose = onPath(i, pair.height);
             const PairResult one = update(pair.a, pair.b, pose, fresh, {}, freshState);
@@ -123,14 +121,10 @@ TEST(PairUpdate, KeptCandidatesGiveTheSameBytesAsAFreshTraversal) {
             EXPECT_TRUE(one.traversed);
             traversals += other.traversed ? 1U : 0U;
             contacts += one.rawContacts;
-            freshWork += one.work;
-            keptWork += other.work;
         }
         EXPECT_GT(contacts, 100U);
         EXPECT_GT(traversals, 1U);
         EXPECT_LT(traversals, static_cast<std::size_t>(steps) * 2 / 3);
-        std::printf("%s: traversed %zu of %d steps, work %llu instead of %llu\n", pair.name, traversals, steps,
-                    static_cast<unsigned long long>(keptWork), static_cast<unsigned long long>(freshWork));
     }
 }
 
@@ -329,7 +323,6 @@ TEST(PairUpdate, DeepBodiesArePushedOutOverTheSteps) {
             }
             out += result.collides ? 0U : 1U;
         }
-        std::printf("%s: %zu of %zu out, %zu deep\n", pair.name, out, trials, deep);
         EXPECT_GT(deep, trials / 3);
         EXPECT_GE(out, trials * 8 / 10);
     }
