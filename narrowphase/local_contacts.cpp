@@ -32,6 +32,9 @@ constexpr float snapCosine = 1 - 1.25e-5F;
 // corners often lie exactly on the other's side faces (stacked boxes), and boxes side by side do not overlap.
 constexpr float pull = 0.25F;
 
+// Cosine from which on faces count as parallel, so that one pair of witness points does not tell all.
+constexpr float parallelFaces = 0.998F;
+
 class LocalContactFinder {
   public:
     LocalContactFinder(const MeshModel& a, const MeshModel& b, const Pose& bInA, const LocalContactSettings& settings,
@@ -42,22 +45,26 @@ class LocalContactFinder {
     }
 
     void pair(const TriangleContact& contact) {
-        if (contact.pair.triangleA != m_placedA.triangle || !m_any) {
-            m_a.place(contact.pair.triangleA, m_placedA);
-        }
-        if (contact.pair.triangleB != m_placedB.triangle || !m_any) {
-            m_b.place(contact.pair.triangleB, m_placedB);
-        }
-        m_any = true;
-        const PlacedTriangle& a = m_placedA;
-        const PlacedTriangle& b = m_placedB;
+        const auto [triangleA, triangleB] = contact.pair;
+        const Vector3f normalB = m_b.directionToA(m_b.model().triangleNormals[triangleB]);
+        const float facing = m_a.model().triangleNormals[triangleA].dot(normalB);
         // At every contact of two solids some triangles of both face each other.
-        if (m_a.model().solid && m_b.model().solid && a.normal.dot(b.normal) > m_settings.lean) {
+        if (m_a.model().solid && m_b.model().solid && facing > m_settings.lean) {
             return;
         }
+        if (triangleA != m_placedA.triangle) {
+            m_a.place(triangleA, m_placedA);
+        }
+        if (triangleB != m_placedB.triangle) {
+            m_b.place(triangleB, m_placedB);
+        }
+        const PlacedTriangle& a = m_placedA;
+        const PlacedTriangle& b = m_placedB;
         cornersOnFace(m_a, a, m_b, b);
         cornersOnFace(m_b, b, m_a, a);
-        sharpEdges(a, b);
+        if (contact.overlapping || std::abs(facing) > parallelFaces) {
+            sharpEdges(a, b);  // otherwise the witness points have them
+        }
         if (!contact.overlapping && contact.featureA < 6 && contact.featureB < 6) {
             witness(a, contact.featureA, b, contact.featureB);
         }
@@ -82,35 +89,38 @@ class LocalContactFinder {
         if (face.normal.isZero()) {
             return;
         }
+        Vector3f along[3];
         float climb[3];  // of each edge along the face's normal
-        bool level[3];   // leans by less than the tolerance
         for (unsigned e = 0; e < 3; ++e) {
-            const Vector3f along = triangle.corner[(e + 1) % 3] - triangle.corner[e];
-            climb[e] = along.dot(face.normal);
-            level[e] = climb[e] * climb[e] <= m_settings.lean * m_settings.lean * along.squaredNorm();
+            along[e] = triangle.corner[(e + 1) % 3] - triangle.corner[e];
+            climb[e] = along[e].dot(face.normal);
         }
+        const float squaredLean = m_settings.lean * m_settings.lean;
+        const auto rises = [&](unsigned e, float sign) {
+            return sign * climb[e] >= 0 || climb[e] * climb[e] <= squaredLean * along[e].squaredNorm();
+        };
         for (unsigned c = 0; c < 3; ++c) {
             if ((triangle.traits & (flatCorner << c)) != 0) {
                 continue;
             }
-            const std::uint32_t vertex = cornerSide.weldedCorner(triangle.triangle, c);
             const float height = (triangle.corner[c] - face.corner[0]).dot(face.normal);
             float side = 1;
             if (!faceSide.model().solid) {  // a sheet's side is where the corner's body is
-                side = cornerSide.model().solid ? -cornerSide.vertexNormal(vertex).dot(face.normal) : height;
+                side = cornerSide.model().solid
+                           ? -cornerSide.vertexNormal(cornerSide.weldedCorner(triangle.triangle, c)).dot(face.normal)
+                           : height;
                 side = side < 0 ? -1.0F : 1.0F;
             }
-            const unsigned before = (c + 2) % 3;
-            if ((level[c] || side * climb[c] > 0) && (level[before] || side * climb[before] < 0)) {
-                cornerOnFace({cornerSide, triangle, c, vertex, faceSide, face, side * face.normal, side * height});
+            if (side * height <= m_settings.maxDistance && rises(c, side) && rises((c + 2) % 3, -side)) {
+                cornerOnFace({cornerSide, triangle, c, cornerSide.weldedCorner(triangle.triangle, c), faceSide, face,
+                              side * face.normal, side * height});
             }
         }
     }
 
     void cornerOnFace(const CornerAndFace& pair) {
         const bool behind = pair.height < 0;
-        if (pair.height > m_settings.maxDistance ||
-            (behind && !pair.cornerSide.model().solid && !pair.faceSide.model().solid)) {
+        if (behind && !pair.cornerSide.model().solid && !pair.faceSide.model().solid) {
             return;
         }
         for (unsigned e = 0; e < 3; ++e) {
@@ -276,7 +286,7 @@ class LocalContactFinder {
         if (featureA >= 3 && featureB >= 3) {
             const detail::SurfaceEdge onA = m_a.edge(a, indexA);
             const detail::SurfaceEdge onB = m_b.edge(b, indexB);
-            if (!(onA.sharp && onB.sharp) && !onA.flat() && !onB.flat()) {
+            if (!onA.flat() && !onB.flat()) {
                 edges(onA, a, indexA, onB, b, indexB);
             }
         } else if (featureA < 3) {
@@ -379,7 +389,6 @@ class LocalContactFinder {
     detail::ContactCollector& m_collector;
     float m_rounding = 0;  // of coordinates in A's frame, m
     PlacedTriangle m_placedA, m_placedB;
-    bool m_any = false;
 };
 
 }  // namespace

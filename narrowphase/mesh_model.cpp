@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include <grapeshot/narrowphase/detail/leaf_shape.hpp>
+
 namespace grapeshot {
 namespace {
 
@@ -119,6 +121,7 @@ void computeDerived(MeshModel& model) {
     computeTriangleNormals(model);
     computeVertexNormals(model);
     computeTraits(model);
+    model.leafShapes = detail::leafShapes(model.tree, model.topology, model.triangleNormals);
     model.solid = model.topology.closed && model.report.volume > 0;
 }
 

@@ -24,6 +24,15 @@ enum SurfaceTrait : std::uint16_t {
     flatCorner = 64U,  ///< all triangles around the vertex lie in one plane: never the end of anything
 };
 
+/// A leaf block seen from outside, mesh frame: its box and a cone of the directions in which it can be touched.
+struct LeafShape {
+    Eigen::Vector3f center = Eigen::Vector3f::Zero();  ///< of the box, m
+    Eigen::Vector3f half = Eigen::Vector3f::Zero();    ///< half extents, m
+    Eigen::Vector3f axis = Eigen::Vector3f::UnitX();   ///< of the cone
+    float cosSpread = -1;                              ///< of the cone's half angle; -1: every direction
+    float sinSpread = 0;
+};
+
 struct MeshModel {
     Tree tree;
     Topology topology;
@@ -35,6 +44,7 @@ struct MeshModel {
     std::vector<Eigen::Vector3f> triangleNormals;
     /// Which edges and corners of a triangle can carry a contact (bits of SurfaceTrait).
     std::vector<std::uint16_t> traits;
+    std::vector<LeafShape> leafShapes;  ///< by leaf block of the tree
     /// Closed and not inside out: inside and outside mean something, so penetration has a sign.
     bool solid = false;
 };

@@ -98,13 +98,8 @@ bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const Pa
 bool testCandidates(const MeshModel& a, const MeshModel& b, Query& query, const Pose& bInA,
                     const PairSettings& settings, const PairState& state, Purse& purse, PairResult& result,
                     Scratch& s) {
-    // Without slack the traversal has just looked at the boxes.
-    std::span<const LeafPair> near = state.candidates;
-    if (settings.slack > 0.0F) {
-        detail::nearPairs(a.tree, b.tree, bInA, state.candidates, settings.maxDistance, s.near);
-        near = s.near;
-    }
-    query.contactsOf(near, bInA, settings.maxDistance, purse.left(), s.contacts);
+    purse.pay(detail::nearPairs(a, b, bInA, state.candidates, settings.maxDistance, purse.left().work, s.near));
+    query.contactsOf(s.near, bInA, settings.maxDistance, purse.left(), s.contacts);
     purse.pay(s.contacts.work);
     result.candidates = static_cast<std::uint32_t>(s.contacts.work);
     s.pairs.swap(s.contacts.pairs);
@@ -140,8 +135,8 @@ bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& traversal, c
             purse.pay(s.leafPairs.work - traversalWork);
             traversalWork = s.leafPairs.work;
         }
-        detail::nearPairs(a.tree, b.tree, bInA, std::span(s.leafPairs.pairs).subspan(testedUntil), settings.maxDistance,
-                          s.near);
+        purse.pay(detail::nearPairs(a, b, bInA, std::span(s.leafPairs.pairs).subspan(testedUntil), settings.maxDistance,
+                                    purse.left().work, s.near));
         // One at a time, to know which contacts are whose.
         std::size_t done = 0;
         for (; done < s.near.size() && !purse.isEmpty(); ++done) {

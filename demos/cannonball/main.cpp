@@ -33,7 +33,7 @@ struct Options {
     std::string ground = "plane";
     int steps = 360;
     int paths = 12;
-    double detail = 3;
+    double detail = 2;
 };
 
 /// A bar on a terminal, nothing elsewhere.

@@ -14,7 +14,7 @@ using scenes::Colour;
 namespace {
 
 const Colour ink{0.12F, 0.12F, 0.14F};
-const scenes::Camera camera{.eye = {-9.2, 5.4, -7.6}, .target = {-0.35, 1.05, -0.1}, .fieldOfView = 33};
+const scenes::Camera camera{.eye = {-11.6, 5.4, -6.9}, .target = {-0.75, 0.95, -1.35}, .fieldOfView = 32};
 
 Colour colourOfBlock(std::size_t index) {
     const auto shade = static_cast<float>(0.94 + 0.03 * static_cast<double>(index * 7 % 5));

@@ -92,9 +92,9 @@ class Builder {
         const Vector3f archHalf(0.75F, 0.5F, 0.3F);
         const Vector3f longHalf(1.01F, 0.25F, 0.3F);
         const Vector3f shortHalf(0.75F, 0.25F, 0.3F);
-        const Kind arch = prepare(archBlock(archHalf, 0.5F, cut(12), cut(2)), stone);
-        const Kind longBlock = prepare(crenelBlock(longHalf, 5, cut(2)), stone);
-        const Kind shortBlock = prepare(crenelBlock(shortHalf, 3, cut(2)), stone);
+        const Kind arch = prepare(archBlock(archHalf, 0.5F, 12, cut(1)), stone);
+        const Kind longBlock = prepare(crenelBlock(longHalf, 5, cut(1)), stone);
+        const Kind shortBlock = prepare(crenelBlock(shortHalf, 3, cut(1)), stone);
         constexpr double gap = 2 * margin;
         const auto row = [&](const Kind& kind, int count, double halfLength, double y) {
             for (int i = 0; i < count; ++i) {
@@ -109,8 +109,8 @@ class Builder {
     /// Pairs of blocks laid crosswise, the last pair crenelled.
     void buildTowers() {
         const Vector3f half(0.6F, 0.35F, 0.2F);
-        const Kind arch = prepare(archBlock(half, 0.32F, cut(12), cut(1)), stone);
-        const Kind crenel = prepare(crenelBlock(half, 3, cut(2)), stone);
+        const Kind arch = prepare(archBlock(half, 0.32F, 12, cut(1)), stone);
+        const Kind crenel = prepare(crenelBlock(half, 3, cut(1)), stone);
         for (const auto& [foot, levels] : {std::pair{Vector3d(0.5, 0, 3.2), 5}, std::pair{Vector3d(-2.2, 0, 2.4), 4}}) {
             for (int level = 0; level < levels; ++level) {
                 const double y = half.y() + margin + level * (2 * half.y() + 2 * margin);

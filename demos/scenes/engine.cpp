@@ -55,6 +55,14 @@ void install(Engine engine, btCollisionDispatcher& dispatcher, const Settings& s
     }
 }
 
+void prepare(Engine engine, const btCollisionShape& shape) {
+    if (engine == Engine::grapeshot) {
+        if (const Status status = prebuild(&shape); status != Status::ok) {
+            throw Error(Fault::noSurface, std::string(name(status)), "prebuild");
+        }
+    }
+}
+
 void uninstall(Engine engine, btCollisionDispatcher& dispatcher) {
     if (engine == Engine::grapeshot) {
         static_cast<void>(unregisterAlgorithms(&dispatcher));  // it can only fail if install did

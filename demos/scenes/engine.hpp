@@ -38,6 +38,8 @@ class TimedDispatcher : public btCollisionDispatcher {
 
 /// Throws Error (badSetting) if the library refuses the settings.
 void install(Engine engine, btCollisionDispatcher& dispatcher, const Settings& settings);
+/// What GImpact does when a shape is made: builds the tree now, and not in the first step that needs it.
+void prepare(Engine engine, const btCollisionShape& shape);
 /// To be called when the world is gone and before the dispatcher goes.
 void uninstall(Engine engine, btCollisionDispatcher& dispatcher);
 

@@ -155,6 +155,7 @@ std::size_t World::addMesh(const Mesh& mesh, MeshKind kind) {
     } else {
         entry.shape =
             kind == MeshKind::bvh ? detail::bvhShape(entry.mesh, margin) : detail::gimpactShape(entry.mesh, margin);
+        prepare(m_state->settings.engine, *entry.shape.shape);
     }
     return m_state->meshes.size() - 1;
 }
@@ -202,6 +203,7 @@ std::size_t World::addMeshFloor(const Mesh& mesh, const PoseD& pose) {
     entry.mesh = mesh;
     entry.radius = radiusOf(mesh);
     entry.shape = detail::bvhShape(entry.mesh, m_state->settings.margin);
+    prepare(m_state->settings.engine, *entry.shape.shape);
     Body body;
     body.mesh = m_state->meshes.size() - 1;
     return m_state->add(std::move(body), *entry.shape.shape, pose, Vector3d::Zero(), {});

@@ -17,7 +17,7 @@ namespace grapeshot::detail {
 struct PlacedTriangle {
     Eigen::Vector3f corner[3];
     Eigen::Vector3f normal;  ///< unit, or zero
-    std::uint32_t triangle = 0;
+    std::uint32_t triangle = noTriangle;
     std::uint16_t traits = 0;
 };
 

@@ -34,9 +34,8 @@ void expectTruth(const Tree& a, const Tree& b, Query& query, const Pose& pose, T
         ++tally.poses;
         tally.colliding += decision.collides ? 1 : 0;
         if (decision.collides) {
-            const double separation =
-                triangleSeparation(cornersOf(a.mesh(), decision.witness.triangleA),
-                                   cornersOf(b.mesh(), decision.witness.triangleB, pose));
+            const double separation = triangleSeparation(cornersOf(a.mesh(), decision.witness.triangleA),
+                                                         cornersOf(b.mesh(), decision.witness.triangleB, pose));
             EXPECT_LE(std::abs(trianglesOverlap(cornersOf(a.mesh(), decision.witness.triangleA),
                                                 cornersOf(b.mesh(), decision.witness.triangleB, pose))
                                    ? 0

@@ -43,8 +43,10 @@ TEST(Refit, ToTheSamePlaceIsTheBuild) {
         refit(tree, deformed(kind.mesh.vertices, 1));
         EXPECT_NE(std::memcmp(tree.nodes.data(), built.nodes.data(), built.nodes.size() * sizeof(Node)), 0);
         refit(tree, kind.mesh.vertices);
-        EXPECT_EQ(std::memcmp(tree.nodes.data(), built.nodes.data(), built.nodes.size() * sizeof(Node)), 0) << kind.name;
-        EXPECT_EQ(std::memcmp(tree.moments.data(), built.moments.data(), built.moments.size() * sizeof(NodeMoments)), 0);
+        EXPECT_EQ(std::memcmp(tree.nodes.data(), built.nodes.data(), built.nodes.size() * sizeof(Node)), 0)
+            << kind.name;
+        EXPECT_EQ(std::memcmp(tree.moments.data(), built.moments.data(), built.moments.size() * sizeof(NodeMoments)),
+                  0);
         EXPECT_EQ(tree.radius, built.radius);
     }
 }

@@ -43,9 +43,8 @@ std::size_t depthOf(const Tree& tree) {
 
 template <typename T>
 bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() &&
-           std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()), a.size() * sizeof(T)) ==
-               0;
+    return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
+                                               a.size() * sizeof(T)) == 0;
 }
 
 TEST(Build, IsSoundOnEveryKind) {
@@ -135,8 +134,8 @@ TEST(Build, NeedlesFarAwayAndAllScales) {
 TEST(Build, NamesTheFault) {
     const scenes::Mesh good = scenes::box({1, 1, 1});
     EXPECT_EQ(faultOf([&] { (void)build({}); }), Fault::emptyMesh);
-    for (const BuildSettings settings :
-         {BuildSettings{0, 16}, BuildSettings{5, 16}, BuildSettings{-1, 16}, BuildSettings{4, 3}, BuildSettings{4, 65}}) {
+    for (const BuildSettings settings : {BuildSettings{0, 16}, BuildSettings{5, 16}, BuildSettings{-1, 16},
+                                         BuildSettings{4, 3}, BuildSettings{4, 65}}) {
         EXPECT_EQ(faultOf([&] { (void)build(good.view(), settings); }), Fault::badSetting);
     }
     scenes::Mesh bad = good;

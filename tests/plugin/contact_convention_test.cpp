@@ -40,7 +40,6 @@ void expectConsistent(TestWorld& world) {
     }
 }
 
-
 class MeshPairs : public testing::TestWithParam<std::tuple<Kind, Kind, bool, btScalar>> {};
 
 TEST_P(MeshPairs, SphereOnSphere) {
@@ -49,8 +48,8 @@ TEST_P(MeshPairs, SphereOnSphere) {
     const MeshShape upper(scenes::sphere(0.5F, 20), upperKind, margin);
     const MeshShape lower(scenes::sphere(1.0F, 30), lowerKind, margin);
     const btTransform upperPose = at({0, 1.5_s + 2 * margin + gap, 0});
-    const Scene scene = upperFirst ? Scene(*upper, upperPose, *lower, at({0, 0, 0}))
-                                   : Scene(*lower, at({0, 0, 0}), *upper, upperPose);
+    const Scene scene =
+        upperFirst ? Scene(*upper, upperPose, *lower, at({0, 0, 0})) : Scene(*lower, at({0, 0, 0}), *upper, upperPose);
     TestWorld& world = const_cast<TestWorld&>(scene.world);
     expectConsistent(world);
     ASSERT_EQ(world.stats().refused, 0) << world.stats().lastRefusal;
@@ -130,7 +129,8 @@ TEST(Convention, TriangleNamesFollowTheManifoldsOrder) {
     const MeshShape upper(scenes::box({0.4F, 0.5F, 0.4F}), Kind::part);
     for (const bool upperFirst : {false, true}) {
         const btTransform top = at({0, 1.015_s, 0});
-        Scene scene = upperFirst ? Scene(*upper, top, *lower, at({0, 0, 0})) : Scene(*lower, at({0, 0, 0}), *upper, top);
+        Scene scene =
+            upperFirst ? Scene(*upper, top, *lower, at({0, 0, 0})) : Scene(*lower, at({0, 0, 0}), *upper, top);
         ASSERT_GT(scene.world.dispatcher.getNumManifolds(), 0);
         for (int m = 0; m < scene.world.dispatcher.getNumManifolds(); ++m) {
             const btPersistentManifold& manifold = *scene.world.dispatcher.getManifoldByIndexInternal(m);

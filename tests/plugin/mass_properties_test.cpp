@@ -108,8 +108,8 @@ TEST(MassProperties, RefusesWhatItCannotDo) {
     EXPECT_EQ(massProperties(&sphere, 1).status, Status::unsupportedShape);
     const btGImpactCompoundShape compound;
     EXPECT_EQ(massProperties(&compound, 1).status, Status::unsupportedShape);
-    for (const btScalar mass : {0.0_s, -1.0_s, std::numeric_limits<btScalar>::quiet_NaN(),
-                                std::numeric_limits<btScalar>::infinity()}) {
+    for (const btScalar mass :
+         {0.0_s, -1.0_s, std::numeric_limits<btScalar>::quiet_NaN(), std::numeric_limits<btScalar>::infinity()}) {
         EXPECT_EQ(massProperties(box.get(), mass).status, Status::badArgument);
     }
     scenes::Mesh bad = scenes::box({1, 1, 1});

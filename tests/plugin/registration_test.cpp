@@ -217,7 +217,8 @@ TEST(Fallback, GImpactCompoundAndHeightfieldGetBulletsAlgorithmAndAreCounted) {
     btHeightfieldTerrainShape terrain(3, 3, heights.data(), 1, -1, 1, 1, PHY_FLOAT, false);
     TestWorld world;
     std::uint64_t expected = 0;
-    for (btCollisionShape* other : {static_cast<btCollisionShape*>(&compound), static_cast<btCollisionShape*>(&terrain)}) {
+    for (btCollisionShape* other :
+         {static_cast<btCollisionShape*>(&compound), static_cast<btCollisionShape*>(&terrain)}) {
         for (const bool swapped : {false, true}) {
             btCollisionAlgorithm* made = swapped ? make(world, *other, *mesh) : make(world, *mesh, *other);
             EXPECT_NE(dynamic_cast<btGImpactCollisionAlgorithm*>(made), nullptr);
