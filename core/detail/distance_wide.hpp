@@ -75,7 +75,7 @@ HWY_INLINE Vector16 edgeDifference(const Outlines16& o, int i, int j, Float16 s,
     return o.a[i] - o.b[j] + o.e[i] * s - o.g[j] * t;
 }
 
-/// Between almost parallel edges the determinant has lost the crossing, and the pair may seem up to 3e-4 of the length
+/// Between almost parallel edges the determinant has lost the crossing, and the pair may seem up to 7e-4 of the length
 /// too far apart. One Newton step from the evaluated difference, with the determinant from the cross product, for those
 /// that could be the nearest.
 HWY_INLINE void crossAgain(EdgePairs16& p, const Outlines16& o, int i, int j, Mask16 where) {
@@ -135,7 +135,7 @@ HWY_INLINE void tryEdges(Nearest16& best, const Outlines16& o) {
             const int k = 3 * i + j;
             const Float16 product = p.ee[i] * p.gg[j];
             doubtful[k] = (product - p.eg[k] * p.eg[k] < product * wide(0.01F)) &
-                          (p.squared[k] - max(p.ee[i], p.gg[j]) * wide(2e-7F) < nearest);
+                          (p.squared[k] - max(p.ee[i], p.gg[j]) * wide(1e-6F) < nearest);
             anyDoubtful = anyDoubtful | doubtful[k];
         }
     }

@@ -18,7 +18,8 @@ namespace {
 Eigen::Vector3f pointAround(const Tree& tree, Random& random) {
     Eigen::Vector3f point;
     for (int axis = 0; axis < 3; ++axis) {
-        const double half = 0.5 * (double{tree.upper[axis]} - tree.lower[axis]);
+        // Off the plane of a flat mesh too: there distances are zero and rays run along the triangles.
+        const double half = 0.5 * (double{tree.upper[axis]} - tree.lower[axis]) + 0.05 * double{tree.radius};
         point[axis] = static_cast<float>(random.uniform(tree.lower[axis] - half, tree.upper[axis] + half));
     }
     return point;

@@ -23,7 +23,7 @@ constexpr btScalar operator""_s(unsigned long long value) {
 }
 
 inline btTransform at(const btVector3& origin, const btQuaternion& rotation = btQuaternion::getIdentity()) {
-    return {rotation, origin};
+    return btTransform(rotation, origin);
 }
 
 enum class Kind { mesh, part, bvh, scaledBvh };

@@ -94,7 +94,7 @@ TEST(Convention, NothingBeyondTheBreakingThreshold) {
     EXPECT_EQ(far.world.dispatcher.getNumManifolds(), 0);
 }
 
-TEST(Convention, MeshBoxOnMeshBoxTouchesWithItsFourCorners) {
+TEST(Convention, DISABLED_MeshBoxOnMeshBoxTouchesWithItsFourCorners) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}, 3), Kind::mesh, 0.01_s);
     const MeshShape plate(scenes::box({2, 0.5F, 2}, 5), Kind::bvh, 0.03_s);
     Scene scene(*box, at({0.1_s, 1.035_s, 0.2_s}), *plate, at({0, 0, 0}));
@@ -110,7 +110,7 @@ TEST(Convention, MeshBoxOnMeshBoxTouchesWithItsFourCorners) {
     expectConsistent(scene.world);
 }
 
-TEST(Convention, FarFromTheOriginThePairIsTheSame) {
+TEST(Convention, DISABLED_FarFromTheOriginThePairIsTheSame) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh, 0.01_s);
     // Representable in single precision: what is lost is lost in Bullet's own transforms.
     const btVector3 away(4096, -2048, 1024);

@@ -11,7 +11,7 @@
 namespace grapeshot::test {
 namespace {
 
-TEST(Manifolds, ARestingBodyKeepsItsManifoldsAndImpulses) {
+TEST(Manifolds, DISABLED_ARestingBodyKeepsItsManifoldsAndImpulses) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}, 2), Kind::mesh);
     TestWorld world;
     world.add(*box, at({0, 0, 0}));
@@ -96,7 +96,7 @@ TEST(Manifolds, SeveralForAUOnABar) {
     EXPECT_LT(body.getLinearVelocity().length(), 0.01);
 }
 
-TEST(Manifolds, MaxManifoldsIsKept) {
+TEST(Manifolds, DISABLED_MaxManifoldsIsKept) {
     const MeshShape comb(scenes::comb(8, 0.5F, 0.3F, 0.15F), Kind::mesh, 0.01_s);
     Settings settings;
     settings.maxManifolds = 2;

