@@ -99,7 +99,8 @@ class Query {
     Query& operator=(Query&&) noexcept;
     ~Query();
 
-    /// Exact, ends at the first intersecting pair. The last witness of this object is tried first.
+    /// Exact, ends at the first intersecting pair. If the last decision of this object found one, that pair is tried
+    /// first, for one unit.
     Decision decide(const Pose& bInA, const DecideSettings& settings = {}, Budget budget = {});
     /// Goes on where the last `decide` stopped. The end does not depend on where it was stopped.
     /// StopReason::invalidInput if there is nothing to resume (no decide before).

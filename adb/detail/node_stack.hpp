@@ -7,7 +7,7 @@
 
 namespace grapeshot::detail {
 
-/// Last in, first out. Built trees fit into the inline part (see maxBinnedLevel in tree_builder.cpp); deeper ones that
+/// Last in, first out. Built trees fit into the inline part (see maxBinnedLevel in binary_tree.cpp); deeper ones that
 /// somebody made by hand go on in a vector.
 template <typename Entry>
 class NodeStack {
