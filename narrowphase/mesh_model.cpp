@@ -58,6 +58,34 @@ void computeVertexNormals(MeshModel& model) {
     }
 }
 
+void computeVertexCones(MeshModel& model) {
+    const auto& welded = model.topology.welded;
+    // The rim of a sheet can be touched from anywhere.
+    std::vector<bool> border(model.vertexNormals.size(), false);
+    for (std::size_t t = 0; t < model.tree.triangles.size(); ++t) {
+        for (unsigned e = 0; e < 3; ++e) {
+            if (model.topology.across[t][e] == noNeighbour) {
+                border[welded[model.tree.triangles[t][e]]] = true;
+                border[welded[model.tree.triangles[t][(e + 1) % 3]]] = true;
+            }
+        }
+    }
+    std::vector<float> cosine(model.vertexNormals.size(), 1.0F);
+    for (std::size_t t = 0; t < model.tree.triangles.size(); ++t) {
+        const Vector3f& normal = model.triangleNormals[t];
+        for (const std::uint32_t corner : model.tree.triangles[t]) {
+            const std::uint32_t v = welded[corner];
+            const bool known = !normal.isZero() && !model.vertexNormals[v].isZero() && !border[v];
+            cosine[v] = known ? std::min(cosine[v], model.vertexNormals[v].dot(normal)) : -1.0F;
+        }
+    }
+    model.vertexCones.resize(cosine.size());
+    for (std::size_t v = 0; v < cosine.size(); ++v) {
+        const float bounded = std::max(cosine[v], -1.0F);
+        model.vertexCones[v] = {bounded, std::sqrt(std::max(0.0F, 1 - bounded * bounded))};
+    }
+}
+
 std::uint16_t edgeTraits(const MeshModel& model, std::uint32_t t) {
     const Tree& tree = model.tree;
     const Triangle& corner = tree.triangles[t];
@@ -66,7 +94,7 @@ std::uint16_t edgeTraits(const MeshModel& model, std::uint32_t t) {
     for (unsigned e = 0; e < 3; ++e) {
         const std::uint32_t other = model.topology.across[t][e];
         if (other == noNeighbour) {
-            traits |= sharpEdge << e;
+            traits |= (sharpEdge | ridgeEdge) << e;
             continue;
         }
         // Sine of the turn about the directed edge: positive where the surface is convex.
@@ -78,6 +106,9 @@ std::uint16_t edgeTraits(const MeshModel& model, std::uint32_t t) {
         if (unknown || sine > sharp || (cosine < 0 && sine >= 0)) {
             traits |= sharpEdge << e;
         }
+        if (unknown || sine > flat || (cosine < 0 && sine >= 0)) {
+            traits |= ridgeEdge << e;
+        }
         if (sine < -flat) {
             traits |= concaveEdge << e;
         }
@@ -88,13 +119,13 @@ std::uint16_t edgeTraits(const MeshModel& model, std::uint32_t t) {
 void computeTraits(MeshModel& model) {
     const Tree& tree = model.tree;
     const auto& welded = model.topology.welded;
-    constexpr std::uint32_t none = 0xffffffffU;
-    std::vector<std::uint32_t> firstTriangle(tree.vertices.size(), none);
+    auto& firstTriangle = model.vertexTriangle;
+    firstTriangle.assign(tree.vertices.size(), noTriangle);
     std::vector<bool> bent(tree.vertices.size(), false);
     for (std::uint32_t t = 0; t < tree.triangles.size(); ++t) {
         for (unsigned c = 0; c < 3; ++c) {
             const std::uint32_t v = welded[tree.triangles[t][c]];
-            if (firstTriangle[v] == none) {
+            if (firstTriangle[v] == noTriangle) {
                 firstTriangle[v] = t;
             }
             const Vector3f difference = model.triangleNormals[t] - model.triangleNormals[firstTriangle[v]];
@@ -120,6 +151,7 @@ void computeTraits(MeshModel& model) {
 void computeDerived(MeshModel& model) {
     computeTriangleNormals(model);
     computeVertexNormals(model);
+    computeVertexCones(model);
     computeTraits(model);
     model.leafShapes = detail::leafShapes(model.tree, model.topology, model.triangleNormals);
     model.solid = model.topology.closed && model.report.volume > 0;

@@ -22,6 +22,12 @@ enum SurfaceTrait : std::uint16_t {
     sharpEdge = 1U,    ///< convex by more than 0.09 rad, or without a neighbour
     concaveEdge = 8U,  ///< the neighbour rises above this triangle's plane
     flatCorner = 64U,  ///< all triangles around the vertex lie in one plane: never the end of anything
+    ridgeEdge = 512U,  ///< convex, or without a neighbour: edges of a solid touch others only here
+};
+
+/// Half angle of a cone of directions; cosine -1: every direction.
+struct NormalCone {
+    float cosine = -1, sine = 0;
 };
 
 /// A leaf block seen from outside, mesh frame: its box and a cone of the directions in which it can be touched.
@@ -40,10 +46,15 @@ struct MeshModel {
     /// Angle-weighted unit normal per welded vertex (zero where it cancels): tells inside from outside at corners.
     /// Baerentzen, Aanaes: Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005.
     std::vector<Eigen::Vector3f> vertexNormals;
+    /// The directions in which a welded vertex can be touched are within a cone about its normal, which holds the normals
+    /// of its triangles.
+    std::vector<NormalCone> vertexCones;
     /// Unit normal per triangle; zero for degenerate ones.
     std::vector<Eigen::Vector3f> triangleNormals;
     /// Which edges and corners of a triangle can carry a contact (bits of SurfaceTrait).
     std::vector<std::uint16_t> traits;
+    /// The lowest triangle at each welded vertex; noTriangle at a vertex that no triangle uses.
+    std::vector<std::uint32_t> vertexTriangle;
     std::vector<LeafShape> leafShapes;  ///< by leaf block of the tree
     /// Closed and not inside out: inside and outside mean something, so penetration has a sign.
     bool solid = false;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include <grapeshot/narrowphase/detail/leaf_filter.hpp>
 #include <grapeshot/narrowphase/penetration.hpp>
 
 namespace grapeshot {
@@ -48,21 +47,11 @@ class Purse {
     std::uint64_t m_spent = 0;
 };
 
-/// Contacts of one leaf pair, while pairs are tested in another order than they are listed in.
-struct Tested {
-    LeafPair pair;
-    std::uint32_t begin = 0;
-    std::uint32_t end = 0;
-};
-
 struct Scratch {
     LeafPairs leafPairs;
-    Contacts contacts;
-    std::vector<TriangleContact> unordered;
-    std::vector<Tested> tested;
-    std::vector<LeafPair> near;
-    std::vector<TriangleContact> pairs;  ///< the step's triangle pairs, by ascending leaf pair
+    LocalContactSearch search;
     std::vector<SurfaceContact> found;
+    std::vector<SurfaceContact> deep;
 };
 
 Scratch& threadScratch() {
@@ -72,50 +61,68 @@ Scratch& threadScratch() {
 
 bool isUsable(const PairSettings& settings) {
     const auto isLength = [](float value) { return std::isfinite(value) && value >= 0.0F; };
-    return isLength(settings.maxDistance) && isLength(settings.slack) && isLength(settings.set.maxDistance) &&
+    return isLength(settings.maxDistance) && isLength(settings.slack) && isLength(settings.reuseMotion) && isLength(settings.set.maxDistance) &&
            isLength(settings.set.mergeDistance) && settings.set.mergeDistance > 0.0F &&
            isLength(settings.set.regions.spacing) && settings.set.regions.spacing > 0.0F &&
            std::isfinite(settings.set.keepCone) && std::isfinite(settings.set.regions.normalCone) &&
            isLength(settings.local.lean);
 }
 
-/// Can a pair of triangles within maxDistance be missing from the kept candidates?
-bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
-              const PairState& state) {
-    if (state.candidateDistance < 0.0F || settings.slack <= 0.0F) {
-        return false;
-    }
-    // Points of B in A's frame, or points of A in B's: either bounds the change of every distance.
-    const float moved = std::min(motionBound(state.candidatePose, bInA, b.tree.radius),
-                                 motionBound(inverse(state.candidatePose), inverse(bInA), a.tree.radius) +
+/// By how much any distance between the two can have changed between two relative poses, at most, m.
+float motionBetween(const MeshModel& a, const MeshModel& b, const Pose& before, const Pose& now) {
+    // Points of B in A's frame, or points of A in B's: either bounds it.
+    const float moved = std::min(motionBound(before, now, b.tree.radius),
+                                 motionBound(inverse(before), inverse(now), a.tree.radius) +
                                      // The inverse poses are rounded.
-                                     1e-6F * (state.candidatePose.translation.norm() + bInA.translation.norm()));
-    const float rounding = 4e-6F * (a.tree.radius + b.tree.radius);
-    return moved + rounding + settings.maxDistance <= state.candidateDistance;
+                                     1e-6F * (before.translation.norm() + now.translation.norm()));
+    return moved + 4e-6F * (a.tree.radius + b.tree.radius);
 }
 
-/// Triangle pairs of the kept candidates. True if all were tested.
-bool testCandidates(const MeshModel& a, const MeshModel& b, Query& query, const Pose& bInA,
-                    const PairSettings& settings, const PairState& state, Purse& purse, PairResult& result,
-                    Scratch& s) {
-    purse.pay(detail::nearPairs(a, b, bInA, state.candidates, settings.maxDistance, purse.left().work, s.near));
-    query.contactsOf(s.near, bInA, settings.maxDistance, purse.left(), s.contacts);
-    purse.pay(s.contacts.work);
-    result.candidates = static_cast<std::uint32_t>(s.contacts.work);
-    s.pairs.swap(s.contacts.pairs);
-    return s.contacts.certain;
+/// Do the kept candidates hold every leaf pair within maxDistance?
+bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+              const PairState& state) {
+    const auto known = [&](const LeafPair& pair) {
+        return pair.leafA < a.tree.leaves.size() && pair.leafB < b.tree.leaves.size();
+    };
+    if (state.candidateDistance < 0.0F || settings.slack <= 0.0F ||
+        !std::all_of(state.candidates.begin(), state.candidates.end(), known)) {
+        return false;
+    }
+    return motionBetween(a, b, state.candidatePose, bInA) + settings.maxDistance <= state.candidateDistance;
+}
+
+/// Leaf pairs that are tested between two looks at the clock.
+constexpr std::size_t pairsPerLook = 32;
+
+/// True if all were tested.
+bool testPairs(std::span<const LeafPair> pairs, Purse& purse, LocalContactSearch& search) {
+    const bool timed = purse.left().time != never;
+    while (!pairs.empty()) {
+        const std::uint64_t before = search.work();
+        const auto some = timed ? pairs.first(std::min(pairs.size(), pairsPerLook)) : pairs;
+        const std::size_t done = search.add(some, purse.left().work);
+        purse.pay(search.work() - before);
+        pairs = pairs.subspan(done);
+        if (done < some.size() || (!pairs.empty() && purse.isEmpty())) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// How far beyond maxDistance leaf pairs are collected, so that the list can be used again: nothing if the bodies move too
+/// fast for that.
+float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+               const PairState& state) {
+    const bool slow = state.step <= 1 || motionBetween(a, b, state.searchPose, bInA) <= settings.slack;
+    return slow ? settings.slack : 0.0F;
 }
 
 /// Traversal and tests in turns, so that a small budget finds some contacts before it knows all candidates. The turns
 /// do not depend on the budget, so a larger one does what a smaller one does, and more. True if all were found.
-bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& traversal, const Pose& bInA,
-                     const PairSettings& settings, PairState& state, Purse& purse, PairResult& result, Scratch& s) {
-    Query tests(a.tree, b.tree);  // the other one is to be resumed
-    s.unordered.clear();
-    s.tested.clear();
+bool traverseInTurns(Query& traversal, const Pose& bInA, float reach, Purse& purse, Scratch& s) {
     s.leafPairs.pairs.clear();
     s.leafPairs.certain = false;
-    const float reach = settings.maxDistance + settings.slack;
     std::size_t testedUntil = 0;
     std::uint64_t traversalWork = 0;
     std::uint64_t turn = 1;
@@ -135,21 +142,8 @@ bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& traversal, c
             purse.pay(s.leafPairs.work - traversalWork);
             traversalWork = s.leafPairs.work;
         }
-        purse.pay(detail::nearPairs(a, b, bInA, std::span(s.leafPairs.pairs).subspan(testedUntil), settings.maxDistance,
-                                    purse.left().work, s.near));
-        // One at a time, to know which contacts are whose.
-        std::size_t done = 0;
-        for (; done < s.near.size() && !purse.isEmpty(); ++done) {
-            tests.contactsOf({&s.near[done], 1}, bInA, settings.maxDistance, purse.left(), s.contacts);
-            purse.pay(s.contacts.work);
-            if (!s.contacts.certain) {
-                break;
-            }
-            const auto begin = static_cast<std::uint32_t>(s.unordered.size());
-            s.unordered.insert(s.unordered.end(), s.contacts.pairs.begin(), s.contacts.pairs.end());
-            s.tested.push_back({s.near[done], begin, static_cast<std::uint32_t>(s.unordered.size())});
-        }
-        if (done < s.near.size()) {
+        const auto fresh = std::span<const LeafPair>(s.leafPairs.pairs).subspan(testedUntil);
+        if (!testPairs(fresh, purse, s.search)) {
             break;
         }
         testedUntil = s.leafPairs.pairs.size();
@@ -157,62 +151,55 @@ bool traverseInTurns(const MeshModel& a, const MeshModel& b, Query& traversal, c
             break;
         }
     }
-    result.candidates = static_cast<std::uint32_t>(s.tested.size());
-    std::sort(s.tested.begin(), s.tested.end(),
-              [](const Tested& left, const Tested& right) { return left.pair < right.pair; });
-    s.pairs.clear();
-    for (const Tested& tested : s.tested) {
-        s.pairs.insert(s.pairs.end(), s.unordered.begin() + tested.begin, s.unordered.begin() + tested.end);
-    }
-    if (s.leafPairs.certain) {
-        state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
-        std::sort(state.candidates.begin(), state.candidates.end());
-        state.candidateDistance = settings.maxDistance + settings.slack;
-    }
     return s.leafPairs.certain && testedUntil == s.leafPairs.pairs.size();
 }
 
-/// Fills s.pairs. True if no triangle pair within maxDistance is missing.
-bool findPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Purse& purse,
-               PairState& state, PairResult& result, Scratch& s) {
-    Query query(a.tree, b.tree);
+/// Feeds the search with all leaf pairs within maxDistance. True if none is missing.
+bool searchPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Purse& purse,
+                 PairState& state, PairResult& result, Scratch& s) {
+    LocalContactSettings local = settings.local;
+    local.maxDistance = std::min(local.maxDistance, settings.maxDistance);
+    s.search.start(a, b, bInA, local);
     if (canReuse(a, b, bInA, settings, state)) {
-        return testCandidates(a, b, query, bInA, settings, state, purse, result, s);
+        return testPairs(state.candidates, purse, s.search);
     }
+    const float slack = slackNow(a, b, bInA, settings, state);
+    const float reach = settings.maxDistance + slack;
     result.traversed = true;
     state.candidatePose = bInA;
     state.candidateDistance = -1;
     state.candidates.clear();
-    if (!purse.isUnlimited()) {
-        return traverseInTurns(a, b, query, bInA, settings, state, purse, result, s);
+    Query query(a.tree, b.tree);
+    bool complete = false;
+    if (purse.isUnlimited()) {
+        query.leafPairs(bInA, {reach, Order::depthFirst}, purse.left(), s.leafPairs);
+        purse.pay(s.leafPairs.work);
+        complete = s.leafPairs.certain && testPairs(s.leafPairs.pairs, purse, s.search);
+    } else {
+        complete = traverseInTurns(query, bInA, reach, purse, s);
     }
-    query.leafPairs(bInA, {settings.maxDistance + settings.slack, Order::depthFirst}, purse.left(), s.leafPairs);
-    purse.pay(s.leafPairs.work);
-    if (!s.leafPairs.certain) {
-        return false;
+    if (s.leafPairs.certain && slack > 0) {
+        // Sorted: the state does not tell in which order they were found.
+        state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
+        std::sort(state.candidates.begin(), state.candidates.end());
+        state.candidateDistance = reach;
     }
-    state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
-    std::sort(state.candidates.begin(), state.candidates.end());
-    state.candidateDistance = settings.maxDistance + settings.slack;
-    return testCandidates(a, b, query, bInA, settings, state, purse, result, s);
+    return complete;
 }
 
 /// Local extrema, cuts that they do not explain, and bodies inside bodies.
 void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, bool complete,
                   PairResult& result, Scratch& s) {
     s.found.clear();
-    LocalContactSettings local = settings.local;
-    local.maxDistance = std::min(local.maxDistance, settings.maxDistance);
-    localContacts(a, b, bInA, s.pairs, local, s.found);
+    s.search.finish(s.found);
+    result.candidates = s.search.tested();
     const std::size_t localCount = s.found.size();
-    const bool overlapping =
-        std::any_of(s.pairs.begin(), s.pairs.end(), [](const TriangleContact& pair) { return pair.overlapping; });
+    const bool overlapping = !s.search.overlapping().empty();
     if (overlapping) {
-        thread_local std::vector<SurfaceContact> deep;
-        deep.clear();
+        s.deep.clear();
         const float spacing = settings.set.regions.spacing;
-        penetrationContacts(a, b, bInA, s.pairs, s.found, {spacing, spacing, maxPointsPerRegion}, deep);
-        s.found.insert(s.found.end(), deep.begin(), deep.end());
+        penetrationContacts(a, b, bInA, s.search.overlapping(), s.found, {spacing, spacing, maxPointsPerRegion}, s.deep);
+        s.found.insert(s.found.end(), s.deep.begin(), s.deep.end());
     } else if (complete && settings.interior == Interior::solid && s.found.empty()) {
         containmentContacts(a, b, bInA, s.found);
     }
@@ -221,6 +208,14 @@ void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     result.collides = overlapping || std::any_of(s.found.begin(), s.found.end(), [](const SurfaceContact& contact) {
                           return contact.signedDistance <= 0.0F;
                       });
+}
+
+/// Does some kept point penetrate?
+bool touches(const ContactSet& set) {
+    return std::any_of(set.slots.begin(), set.slots.end(), [](const RegionSlot& slot) {
+        const auto end = slot.points.begin() + slot.count;
+        return std::any_of(slot.points.begin(), end, [](const auto& point) { return point.signedDistance <= 0.0F; });
+    });
 }
 
 }  // namespace
@@ -234,24 +229,29 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         state.contacts.droppedRegions = 0;
         state.candidates.clear();
         state.candidateDistance = -1;
+        state.searchHolds = false;
+        return result;
+    }
+    refresh(state.contacts, bInA, settings.set);
+    if (state.searchHolds && settings.reuseMotion > 0 &&
+        motionBetween(a, b, state.searchPose, bInA) <= settings.reuseMotion) {
+        result.collides = touches(state.contacts);
+        result.refreshed = result.certain = true;
+        result.stop = StopReason::certain;
         return result;
     }
     Scratch& s = threadScratch();
     Purse purse(budget);
-    refresh(state.contacts, bInA, settings.set);
-    s.pairs.clear();
-    const bool complete = findPairs(a, b, bInA, settings, purse, state, result, s);
+    const bool complete = searchPairs(a, b, bInA, settings, purse, state, result, s);
     findContacts(a, b, bInA, settings, complete, result, s);
     merge(state.contacts, s.found, bInA, complete, settings.set);
     if (!complete) {
         // Whatever is kept may be incomplete now, and what was left out may be what matters.
         state.candidateDistance = -1;
-        for (const RegionSlot& slot : state.contacts.slots) {
-            for (int i = 0; i < slot.count; ++i) {
-                result.collides = result.collides || slot.points[static_cast<std::size_t>(i)].signedDistance <= 0.0F;
-            }
-        }
+        result.collides = result.collides || touches(state.contacts);
     }
+    state.searchPose = bInA;
+    state.searchHolds = complete && result.deepContacts == 0 && s.search.overlapping().empty();
     result.certain = complete;
     result.stop = complete ? StopReason::certain : StopReason::budget;
     result.work = purse.spent();

@@ -19,6 +19,12 @@ struct PairSettings {
     /// How far beyond maxDistance candidates are collected, m; while the bodies have moved less than that against
     /// each other, the traversal is skipped. 0: traverse every step. The contacts are the same either way.
     float slack = 0.02F;
+    /// While the bodies have moved against each other by less than this since the contacts were last searched for (and
+    /// that search was complete and no surfaces cut each other), the kept ones are only refreshed, m. 0: search every
+    /// step. What comes within maxDistance meanwhile is found late, but never later than at maxDistance - reuseMotion,
+    /// and a depth can be off by no more than that motion. Choose it smaller than the distance by which maxDistance
+    /// exceeds touching.
+    float reuseMotion = 0;
     Interior interior = Interior::solid;
     LocalContactSettings local;
     ContactSetSettings set;
@@ -31,16 +37,19 @@ struct PairState {
     std::vector<LeafPair> candidates;  ///< leaf pairs within candidateDistance in candidatePose, sorted
     Pose candidatePose;
     float candidateDistance = -1;  ///< m; negative: none kept
+    Pose searchPose;               ///< of the last search
+    bool searchHolds = false;      ///< it was complete, and its contacts may be refreshed
     std::uint64_t step = 0;
 };
 
 struct PairResult {
     bool collides = false;  ///< some contact with signedDistance <= 0
-    bool certain = false;   ///< nothing within maxDistance was left out
+    bool certain = false;   ///< nothing within maxDistance (if refreshed: less reuseMotion) was left out
     StopReason stop = StopReason::invalidInput;
     std::uint64_t work = 0;
     std::uint32_t candidates = 0;    ///< leaf pairs tested
     bool traversed = false;          ///< the candidates were collected anew
+    bool refreshed = false;          ///< only refreshed, not searched
     std::uint32_t rawContacts = 0;   ///< before regions and reduction
     std::uint32_t deepContacts = 0;  ///< from cuts (penetration beyond the search distance) and containment
 };

@@ -42,6 +42,11 @@ struct Settings {
     /// While two bodies have moved against each other by less than this share of the pair's size, the trees are not
     /// traversed anew: >= 0, at most 1. The contacts are the same. Larger: fewer traversals, more triangle tests.
     float slack = 0.02F;
+    /// While two meshes have moved against each other by less than this share of the contact breaking threshold since
+    /// their contacts were last searched for, the known ones are only brought up to date: 0..0.9. What comes nearer
+    /// meanwhile is found before it touches. Larger: bodies that hardly move cost less; smaller: contacts follow rolling
+    /// and rocking more closely. 0: a search in every step.
+    float reuse = 0.5F;
     /// Sine of the angle by which a surface may lean towards the other and still touch with all its corners:
     /// 0..0.5. See LocalContactSettings::lean.
     float lean = 0.08F;
@@ -53,7 +58,7 @@ struct Settings {
     /// GImpact meshes against planes and convex shapes too. Off: those pairs keep the algorithm they had.
     bool convexPairs = true;
 
-    /// Nothing is left out: no budgets, most manifolds.
+    /// Nothing is left out: no budgets, most manifolds, a search in every step.
     [[nodiscard]] static Settings exact() noexcept;
 };
 

@@ -16,6 +16,17 @@ namespace grapeshot::detail {
 /// Directions are in the mesh's frame and unit; `lean` is the sine by which a surface direction may lead towards the
 /// other body.
 
+/// By how much the cone of a vertex (MeshModel::vertexCones) is wider for a given lean, rad: where two edges meet at an
+/// acute angle, directions that lead along neither by more than `lean` reach farther beyond the cone.
+[[nodiscard]] inline float coneWidening(float lean) {
+    return 3 * lean + 0.02F;
+}
+/// Least cosine to the vertex normal, given cosine and sine of the widening; -2: every direction.
+[[nodiscard]] inline float widenedCone(const NormalCone& cone, float cosine, float sine) {
+    const bool all = cone.cosine <= -1 || cone.sine * cosine + cone.cosine * sine <= 0;  // half a turn and more
+    return all ? -2.0F : cone.cosine * cosine - cone.sine * sine;
+}
+
 /// No edge at the welded vertex leads along `towards`.
 [[nodiscard]] bool cornerIsExtremal(const MeshModel& model, std::uint32_t vertex, const Eigen::Vector3f& towards,
                                     float lean);

@@ -65,7 +65,10 @@ void setCone(const Tree& tree, const Topology& topology, const std::vector<Vecto
             const std::uint32_t v = topology.welded[tree.triangles[t][c]];
             for (std::uint32_t i = fans.begin[v]; i < fans.begin[v + 1]; ++i) {
                 const Vector3f& normal = normals[fans.triangles[i]];
-                cosine = normal.isZero() ? -1 : std::min(cosine, shape.axis.dot(normal));
+                const auto& across = topology.across[fans.triangles[i]];
+                // The rim of a sheet can be touched from anywhere.
+                const bool rim = std::find(across.begin(), across.end(), noNeighbour) != across.end();
+                cosine = rim || normal.isZero() ? -1 : std::min(cosine, shape.axis.dot(normal));
                 if (cosine <= -1) {
                     return;
                 }

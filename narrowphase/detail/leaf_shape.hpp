@@ -17,13 +17,12 @@ namespace grapeshot::detail {
 [[nodiscard]] std::vector<LeafShape> leafShapes(const Tree& tree, const Topology& topology,
                                                 const std::vector<Eigen::Vector3f>& triangleNormals);
 
-/// Can a corner, edge or face of A's leaf touch one of B's? `axisB` is B's axis in A's frame. Sheets have two sides.
-[[nodiscard]] inline bool faceEachOther(const LeafShape& a, const LeafShape& b, const Eigen::Vector3f& axisB,
-                                        bool twoSided) {
+/// Can a corner, edge or face of A's leaf touch one of B's? Both axes in one frame. Sheets have two sides.
+[[nodiscard]] inline bool faceEachOther(const LeafShape& a, const LeafShape& b, bool twoSided) {
     // cos(spreadA + spreadB); from a half turn on the sine is negative.
     const float sine = a.sinSpread * b.cosSpread + a.cosSpread * b.sinSpread;
     const float cosine = a.cosSpread * b.cosSpread - a.sinSpread * b.sinSpread;
-    const float facing = -a.axis.dot(axisB);
+    const float facing = -a.axis.dot(b.axis);
     return sine <= 0 || a.cosSpread <= -1 || b.cosSpread <= -1 || facing >= cosine || (twoSided && -facing >= cosine);
 }
 

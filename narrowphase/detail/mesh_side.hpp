@@ -21,12 +21,20 @@ struct PlacedTriangle {
     std::uint16_t traits = 0;
 };
 
+/// The traits of edges that may touch others: of a solid the convex ones; a sheet has two sides. Inside a flat face
+/// nothing ends.
+[[nodiscard]] inline unsigned bentEdges(const MeshModel& model) {
+    return model.solid ? unsigned{ridgeEdge} : unsigned{ridgeEdge} | unsigned{concaveEdge};
+}
+
 class MeshSide {
   public:
+    MeshSide() = default;
     /// `pose`: of this mesh in A's frame; null for A itself.
     MeshSide(const MeshModel& model, const Pose* pose) : m_model(&model), m_pose(pose) {}
 
     [[nodiscard]] const MeshModel& model() const { return *m_model; }
+    [[nodiscard]] const Pose* pose() const { return m_pose; }
     [[nodiscard]] bool isA() const { return m_pose == nullptr; }
 
     [[nodiscard]] Eigen::Vector3f pointToA(const Eigen::Vector3f& point) const {
@@ -84,8 +92,8 @@ class MeshSide {
     }
 
   private:
-    const MeshModel* m_model;
-    const Pose* m_pose;
+    const MeshModel* m_model = nullptr;
+    const Pose* m_pose = nullptr;
 };
 
 }  // namespace grapeshot::detail

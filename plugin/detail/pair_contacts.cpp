@@ -47,6 +47,7 @@ PairSettings pairSettings(const PairTask& task) {
     PairSettings settings;
     settings.maxDistance = task.maxDistance;
     settings.slack = chosen.slack * task.size.size;
+    settings.reuseMotion = chosen.reuse * task.breaking;
     settings.interior = chosen.interior;
     settings.local.lean = chosen.lean;
     settings.local.maxDistance = task.maxDistance;
@@ -129,7 +130,7 @@ void PairContacts::forget() {
     clear(m_state.contacts);
     clear(m_ahead);
     m_state.candidates.clear();
-    m_state.candidateDistance = -1;
+    forgetCandidates();
 }
 
 }  // namespace detail

@@ -36,6 +36,7 @@ struct PairTask {
     Budget budget;
     PairSize size;
     float maxDistance = 0;      ///< of the surfaces: margins and breaking threshold, m
+    float breaking = 0;         ///< that threshold, m
     float closestDistance = 0;  ///< queries: the nearest points up to this distance, if nothing is nearer, m
     btScalar timeStep = 0;      ///< s; 0: no contacts ahead of time
 };
@@ -47,7 +48,10 @@ class PairContacts {
     /// The shapes are others now. Names of regions are not used again.
     void forget();
     /// The vertices moved; the triangles are the same.
-    void forgetCandidates() { m_state.candidateDistance = -1; }
+    void forgetCandidates() {
+        m_state.candidateDistance = -1;
+        m_state.searchHolds = false;
+    }
 
     [[nodiscard]] const ContactSet& now() const { return m_state.contacts; }
     /// Contacts that the motion of the coming step will make.

@@ -171,6 +171,7 @@ PairTask PairProcessor::task(const PairShapes& shapes, const btDispatcherInfo& i
     task.budget = m_query ? m_context->settings.queryBudget : m_context->settings.pairBudget;
     task.size = m_size;
     const btScalar margins = shapes.marginA + shapes.marginB;
+    task.breaking = static_cast<float>(m_breaking);
     task.maxDistance = static_cast<float>(margins + m_breaking);
     task.closestDistance = static_cast<float>(margins + result.m_closestPointDistanceThreshold);
     // Outside stepSimulation it is 0.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <grapeshot/narrowphase/penetration.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
@@ -34,46 +35,69 @@ class Sweep {
           m_touching(touching),
           m_motionA(motionOf(*shapes.a->getCollisionObject())),
           m_motionB(motionOf(*shapes.b->getCollisionObject())),
-          m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {}
+          m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {
+        if (shapes.modelB) {
+            m_query.emplace(shapes.modelA->mesh->tree, shapes.modelB->mesh->tree);
+        }
+    }
 
     /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
     std::uint64_t run(float motion, btScalar seconds, ContactSet& ahead) {
         const float stride = std::max(0.5F * m_task.size.thickness, m_settings.maxDistance);
         const int steps = std::clamp(static_cast<int>(std::ceil(motion / stride)), 1, mostSteps);
         btScalar before = 0;
-        for (int k = 1; k <= steps; ++k) {
-            btScalar after = seconds * btScalar(k) / btScalar(steps);
-            if (!touches(after)) {
-                before = after;
-                continue;
-            }
-            std::vector<SurfaceContact> first = m_found;
-            for (int i = 0; i < bisections; ++i) {
-                const btScalar middle = (before + after) / 2;
-                if (touches(middle)) {
-                    after = middle;
-                    first = m_found;
-                } else {
-                    before = middle;
-                }
-            }
+        btScalar after = 0;
+        for (int k = 1; k <= steps && after <= 0; ++k) {
+            const btScalar here = seconds * btScalar(k) / btScalar(steps);
+            (hits(here) ? after : before) = here;
+        }
+        if (after <= 0) {
+            return m_work;
+        }
+        for (int i = 0; i < bisections; ++i) {
+            const btScalar middle = (before + after) / 2;
+            (hits(middle) ? after : before) = middle;
+        }
+        collect(after);
+        if (m_found.empty()) {
+            collect(before);  // so deep that nothing tells the way out
+        }
+        if (!m_found.empty()) {
             ContactSetSettings set = m_settings.set;
             set.maxDistance = motion + m_settings.maxDistance;
-            merge(ahead, first, m_now, true, set);
-            break;
+            merge(ahead, m_found, m_now, true, set);
         }
         return m_work;
     }
 
   private:
-    /// Are there contacts at that time which are none now? Left in m_found, as they are now.
-    bool touches(btScalar seconds) {
-        const Pose then =
-            toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
+    [[nodiscard]] Pose poseAt(btScalar seconds) const {
+        return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
+    }
+
+    /// Do the bodies overlap at that time? Of a solid: is it within maxDistance?
+    bool hits(btScalar seconds) {
+        const Pose then = poseAt(seconds);
+        if (!isRigid(then)) {
+            return false;
+        }
+        if (m_query) {
+            const Decision decision = m_query->decide(then, {}, m_task.budget);
+            m_work += decision.work;
+            return decision.certain && decision.collides;
+        }
+        m_then.clear();
+        m_work += nearContacts(m_shapes, then, m_settings.maxDistance, m_settings, m_task.budget, m_then);
+        return !m_then.empty();
+    }
+
+    /// The contacts of that time which are none now, in m_found, as they are now.
+    void collect(btScalar seconds) {
+        const Pose then = poseAt(seconds);
         m_then.clear();
         m_found.clear();
         if (!isRigid(then)) {
-            return false;
+            return;
         }
         m_work += nearContacts(m_shapes, then, m_settings.maxDistance, m_settings, m_task.budget, m_then);
         const Pose thenToNow = compose(m_now, inverse(then));  // of points fixed to B, A's frame
@@ -85,7 +109,6 @@ class Sweep {
                 m_found.push_back(contact);
             }
         }
-        return !m_found.empty();
     }
 
     [[nodiscard]] bool touchesThere(const Eigen::Vector3f& normal) const {
@@ -101,6 +124,7 @@ class Sweep {
     const ContactSet& m_touching;
     Motion m_motionA, m_motionB;
     Pose m_now;
+    std::optional<Query> m_query;
     std::vector<SurfaceContact> m_then, m_found;
     std::uint64_t m_work = 0;
 };
@@ -117,17 +141,18 @@ std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float rea
     }
     const MeshModel& a = *shapes.modelA->mesh;
     const MeshModel& b = *shapes.modelB->mesh;
-    Contacts contacts;
-    Query(a.tree, b.tree).contacts(bInA, {reach, Order::bestFirst}, budget, contacts);
-    localContacts(a, b, bInA, contacts.pairs, local, found);
-    const bool overlapping = std::any_of(contacts.pairs.begin(), contacts.pairs.end(),
-                                         [](const TriangleContact& pair) { return pair.overlapping; });
-    if (overlapping) {
+    thread_local LeafPairs leafPairs;
+    thread_local LocalContactSearch search;
+    Query(a.tree, b.tree).leafPairs(bInA, {reach, Order::depthFirst}, budget, leafPairs);
+    search.start(a, b, bInA, local);
+    search.add(leafPairs.pairs, budget.work - std::min(budget.work, leafPairs.work));
+    search.finish(found);
+    if (!search.overlapping().empty()) {
         const float spacing = settings.set.regions.spacing;
         const std::vector<SurfaceContact> already = found;
-        penetrationContacts(a, b, bInA, contacts.pairs, already, {spacing, spacing, maxPointsPerRegion}, found);
+        penetrationContacts(a, b, bInA, search.overlapping(), already, {spacing, spacing, maxPointsPerRegion}, found);
     }
-    return contacts.work;
+    return leafPairs.work + search.work();
 }
 
 std::uint64_t sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,

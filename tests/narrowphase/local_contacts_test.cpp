@@ -361,41 +361,141 @@ TEST(LocalContacts, TheFrameDoesNotMatter) {
     }
 }
 
+/// What one list has and the other does not.
+std::string differences(const Contacts& found, const Contacts& expected) {
+    std::string text;
+    const auto missing = [&](const Contacts& from, const Contacts& in, const char* what) {
+        for (const SurfaceContact& contact : from) {
+            if (std::none_of(in.begin(), in.end(), [&](const auto& c) { return std::memcmp(&c, &contact, sizeof c) == 0; })) {
+                text += what + testing::PrintToString(contact) + "\n";
+            }
+        }
+    };
+    missing(expected, found, "left out: ");
+    missing(found, expected, "too many: ");
+    return text;
+}
+
+bool sameBytes(const Contacts& first, const Contacts& second) {
+    return std::equal(first.begin(), first.end(), second.begin(), second.end(), [](const auto& l, const auto& r) {
+        return std::memcmp(&l, &r, sizeof l) == 0;
+    });
+}
+
 TEST(LocalContacts, TheOrderOfThePairsDoesNotMatter) {
     test::Random random(10);
     const MeshModel a = makeModel(scenes::cup(0.5F, 0.1F, 0.8F, 12, 2).view());
     const MeshModel b = makeModel(scenes::torus(0.5F, 0.2F, 14, 8).view());
     std::size_t contactsSeen = 0;
+    std::size_t overlapsSeen = 0;
+    LocalContactSearch search;
     for (int i = 0; i < 60; ++i) {
         const Pose pose = posed(a, b, random.uniform(-0.04, 0.02), random);
-        std::vector<TriangleContact> pairs = test::trianglePairs(a.tree, b.tree, pose, 0.06F);
+        LeafPairs leaves;
+        Query(a.tree, b.tree).leafPairs(pose, {0.06F, Order::depthFirst}, {}, leaves);
         Contacts first;
-        localContacts(a, b, pose, pairs, {}, first);
+        search.start(a, b, pose, {0.08F, 0.06F});
+        search.add(leaves.pairs);
+        search.finish(first);
+        const std::vector<TriangleContact> cuts(search.overlapping().begin(), search.overlapping().end());
         contactsSeen += first.size();
-        for (std::size_t j = pairs.size(); j > 1; --j) {
-            std::swap(pairs[j - 1], pairs[random.bits() % j]);
+        overlapsSeen += cuts.size();
+        for (std::size_t j = leaves.pairs.size(); j > 1; --j) {
+            std::swap(leaves.pairs[j - 1], leaves.pairs[random.bits() % j]);
         }
         Contacts second;
-        localContacts(a, b, pose, pairs, {}, second);
-        ASSERT_EQ(first.size(), second.size());
-        for (std::size_t c = 0; c < first.size(); ++c) {
-            EXPECT_EQ(std::memcmp(&first[c], &second[c], sizeof first[c]), 0)
-                << testing::PrintToString(first[c]) << "\n"
-                << testing::PrintToString(second[c]);
-        }
+        search.start(a, b, pose, {0.08F, 0.06F});
+        const std::size_t half = leaves.pairs.size() / 2;
+        EXPECT_EQ(search.add(std::span(leaves.pairs).first(half)), half);
+        search.add(std::span(leaves.pairs).subspan(half));
+        search.finish(second);
+        EXPECT_TRUE(sameBytes(first, second)) << i;
+        EXPECT_TRUE(std::equal(cuts.begin(), cuts.end(), search.overlapping().begin(), search.overlapping().end(),
+                               [](const auto& l, const auto& r) { return l.pair == r.pair; }));
     }
     EXPECT_GT(contactsSeen, 50U);
+    EXPECT_GT(overlapsSeen, 50U);
+}
+
+TEST(LocalContacts, TheFilterLeavesNothingOut) {
+    std::vector<Named> meshes = solids();
+    meshes.push_back({"gear", scenes::gear(0.5F, 0.08F, 0.15F, 0.25F, 9, 2)});
+    meshes.push_back({"knot", scenes::torusKnot(2, 3, 0.5F, 0.2F, 0.11F, 60, 8)});
+    meshes.push_back({"spiked", scenes::spikedBall(0.35F, 0.17F, 12, 600)});
+    meshes.push_back({"sheet", scenes::grid(0.7F, 0.7F, 6, 6)});
+    test::Random random(77);
+    std::size_t contactsSeen = 0;
+    std::size_t deepSeen = 0;
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        for (std::size_t j = i; j < meshes.size(); ++j) {
+            const MeshModel a = makeModel(meshes[i].mesh.view());
+            const MeshModel b = makeModel(meshes[j].mesh.view());
+            for (std::size_t k = 0; k < test::sampleSize(6, 60); ++k) {
+                const Pose pose = posed(a, b, random.uniform(-0.05, 0.04), random);
+                const float lean = k % 3 == 0 ? 0.0F : 0.08F;
+                const Contacts found = localContactsOf(a, b, pose, 0.06F, lean);
+                EXPECT_EQ(differences(found, test::exhaustiveContactsOf(a, b, pose, 0.06F, lean)), "")
+                    << meshes[i].name << ' ' << meshes[j].name << ' ' << k;
+                contactsSeen += found.size();
+                deepSeen += std::count_if(found.begin(), found.end(), [](const auto& c) { return c.signedDistance < 0; });
+            }
+        }
+    }
+    EXPECT_GT(contactsSeen, 500U);
+    EXPECT_GT(deepSeen, 100U);
+}
+
+TEST(LocalContacts, FlatPartsInAnyPoseAreFilteredLikeOthers) {
+    // Faces on faces, edges along edges, corners on corners: where the filter's tolerances matter.
+    const MeshModel a = makeModel(scenes::box({0.5F, 0.4F, 0.6F}, 3).view());
+    const MeshModel b = makeModel(scenes::comb(4, 0.4F, 0.25F, 0.12F).view());
+    test::Random random(5);
+    std::size_t contactsSeen = 0;
+    for (std::size_t k = 0; k < test::sampleSize(150, 1500); ++k) {
+        Pose pose{Matrix3f::Identity(), Vector3f::Zero()};
+        const auto axis = static_cast<int>(k % 3);
+        const float turn = static_cast<float>(k / 3 % 4) * 1.5707963F + (k % 2 == 0 ? 0.0F : 0.01F);
+        pose.rotation = Eigen::AngleAxisf(turn, Vector3f::Unit((axis + 1) % 3)).toRotationMatrix();
+        for (int i = 0; i < 3; ++i) {
+            pose.translation[i] = static_cast<float>(random.uniform(-0.5, 0.5));
+        }
+        pose.translation[axis] = (random.bits() % 2 == 0 ? 1.0F : -1.0F) * (a.tree.upper[axis] + b.tree.upper[axis] +
+                                                                          static_cast<float>(random.uniform(-0.02, 0.04)));
+        const Contacts found = localContactsOf(a, b, pose, 0.05F);
+        EXPECT_EQ(differences(found, test::exhaustiveContactsOf(a, b, pose, 0.05F)), "") << k;
+        contactsSeen += found.size();
+    }
+    EXPECT_GT(contactsSeen, 300U);
+}
+
+TEST(LocalContacts, WorkIsKept) {
+    const MeshModel a = makeModel(scenes::bumpySphere(0.5F, 0.3F, 5, 8).view());
+    const Pose pose{Matrix3f::Identity(), Vector3f(0.8F, 0.1F, 0)};
+    LeafPairs leaves;
+    Query(a.tree, a.tree).leafPairs(pose, {0.05F, Order::depthFirst}, {}, leaves);
+    LocalContactSearch search;
+    search.start(a, a, pose, {0.08F, 0.05F});
+    search.add(leaves.pairs);
+    const std::uint64_t whole = search.work();
+    ASSERT_GT(whole, 20U);
+    for (const std::uint64_t most : {std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{10}, whole}) {
+        search.start(a, a, pose, {0.08F, 0.05F});
+        const std::size_t done = search.add(leaves.pairs, most);
+        EXPECT_LE(search.work(), most);
+        EXPECT_EQ(done == leaves.pairs.size(), most == whole);
+    }
 }
 
 TEST(LocalContacts, AppendsAndFarBodiesGiveNothing) {
     const MeshModel a = makeModel(scenes::sphere(0.5F, 3).view());
     Contacts out(3);
-    localContacts(a, a, {Matrix3f::Identity(), Vector3f(5, 0, 0)}, {}, {}, out);
+    LocalContactSearch search;
+    search.start(a, a, {Matrix3f::Identity(), Vector3f(5, 0, 0)}, {});
+    search.finish(out);
     EXPECT_EQ(out.size(), 3U);
-    localContacts(a, a, {Matrix3f::Identity(), Vector3f(1.01F, 0, 0)},
-                  test::trianglePairs(a.tree, a.tree, {Matrix3f::Identity(), Vector3f(1.01F, 0, 0)}, 0.05F), {}, out);
-    EXPECT_GT(out.size(), 3U);
-    EXPECT_EQ(out[0].triangleA, noTriangle);
+    const Contacts near = localContactsOf(a, a, {Matrix3f::Identity(), Vector3f(1.01F, 0, 0)}, 0.05F);
+    EXPECT_FALSE(near.empty());
+    EXPECT_NE(near[0].triangleA, noTriangle);
 }
 
 // A ball in a bowl that it fits: contacts all around, each along the radius.

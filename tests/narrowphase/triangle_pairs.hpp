@@ -77,10 +77,28 @@ inline std::vector<TriangleContact> trianglePairs(const Tree& a, const Tree& b, 
     return out;
 }
 
+/// By the trees and the wide filter, as every step does it.
 inline std::vector<SurfaceContact> localContactsOf(const MeshModel& a, const MeshModel& b, const Pose& bInA,
                                                    float maxDistance, float lean = LocalContactSettings{}.lean) {
+    LeafPairs leaves;
+    Query(a.tree, b.tree).leafPairs(bInA, {maxDistance, Order::depthFirst}, {}, leaves);
     std::vector<SurfaceContact> out;
-    localContacts(a, b, bInA, trianglePairs(a.tree, b.tree, bInA, maxDistance), {lean, maxDistance}, out);
+    LocalContactSearch search;
+    search.start(a, b, bInA, {lean, maxDistance});
+    search.add(leaves.pairs);
+    search.finish(out);
+    return out;
+}
+
+/// By brute force over all triangle pairs and all their features.
+inline std::vector<SurfaceContact> exhaustiveContactsOf(const MeshModel& a, const MeshModel& b, const Pose& bInA,
+                                                        float maxDistance, float lean = LocalContactSettings{}.lean) {
+    std::vector<TrianglePair> pairs;
+    for (const TriangleContact& contact : trianglePairs(a.tree, b.tree, bInA, maxDistance)) {
+        pairs.push_back(contact.pair);
+    }
+    std::vector<SurfaceContact> out;
+    localContactsExhaustive(a, b, bInA, pairs, {lean, maxDistance}, out);
     return out;
 }
 
