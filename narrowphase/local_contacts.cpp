@@ -167,9 +167,11 @@ void LocalContactSearch::State::testFeatures(const FeatureMasks& masks, const Le
 
 void LocalContactSearch::finish(std::vector<SurfaceContact>& out) {
     State& s = *m_state;
-    std::sort(s.overlapping.begin(), s.overlapping.end(), [](const TriangleContact& left, const TriangleContact& right) {
-        return std::pair(left.pair.triangleA, left.pair.triangleB) < std::pair(right.pair.triangleA, right.pair.triangleB);
-    });
+    std::sort(s.overlapping.begin(), s.overlapping.end(),
+              [](const TriangleContact& left, const TriangleContact& right) {
+                  return std::pair(left.pair.triangleA, left.pair.triangleB) <
+                         std::pair(right.pair.triangleA, right.pair.triangleB);
+              });
     s.collector.thinCorners();
     s.collector.finish(1e-4F * std::min(s.a->tree.radius, s.b->tree.radius), out);
 }

@@ -30,10 +30,11 @@ struct LocalContactSettings {
 };
 
 /// Contacts among the triangles of leaf pairs that are local extrema, each pair of features once: corner on face, on
-/// edge or on corner, edge on edge. Corners of nearly parallel triangles all count. The sign follows the outward normals
-/// of whichever side is solid: a corner behind the other's surface is a penetration with the depth to it, deeper than
-/// maxDistance only where its triangle cuts the other; it must really be inside, with nothing between. Between two sheets all
-/// distances are positive. What the corners and crossing edges do not tell of a cut is left to penetration.hpp.
+/// edge or on corner, edge on edge. Corners of nearly parallel triangles all count. The sign follows the outward
+/// normals of whichever side is solid: a corner behind the other's surface is a penetration with the depth to it,
+/// deeper than maxDistance only where its triangle cuts the other; it must really be inside, with nothing between.
+/// Between two sheets all distances are positive. What the corners and crossing edges do not tell of a cut is left to
+/// penetration.hpp.
 ///
 /// An object to be used again and again: it keeps its memory. Refers to the two models until `finish`.
 class LocalContactSearch {
@@ -45,8 +46,8 @@ class LocalContactSearch {
 
     void start(const MeshModel& a, const MeshModel& b, const Pose& bInA, const LocalContactSettings& settings);
     /// Tests leaf pairs from the front as long as the work lasts; returns how many it is done with. Each costs up to
-    /// three units, most none or one: boxes that are farther apart than maxDistance, and surfaces that neither face each
-    /// other nor cross, cost nothing.
+    /// three units, most none or one: boxes that are farther apart than maxDistance, and surfaces that neither face
+    /// each other nor cross, cost nothing.
     std::size_t add(std::span<const LeafPair> pairs, std::uint64_t mostWork = unlimited);
     /// Appends the contacts in A's frame. Nothing depends on the order of the leaf pairs.
     void finish(std::vector<SurfaceContact>& out);

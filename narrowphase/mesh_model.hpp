@@ -46,8 +46,8 @@ struct MeshModel {
     /// Angle-weighted unit normal per welded vertex (zero where it cancels): tells inside from outside at corners.
     /// Baerentzen, Aanaes: Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005.
     std::vector<Eigen::Vector3f> vertexNormals;
-    /// The directions in which a welded vertex can be touched are within a cone about its normal, which holds the normals
-    /// of its triangles.
+    /// The directions in which a welded vertex can be touched are within a cone about its normal, which holds the
+    /// normals of its triangles.
     std::vector<NormalCone> vertexCones;
     /// Unit normal per triangle; zero for degenerate ones.
     std::vector<Eigen::Vector3f> triangleNormals;

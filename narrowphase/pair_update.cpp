@@ -61,11 +61,11 @@ Scratch& threadScratch() {
 
 bool isUsable(const PairSettings& settings) {
     const auto isLength = [](float value) { return std::isfinite(value) && value >= 0.0F; };
-    return isLength(settings.maxDistance) && isLength(settings.slack) && isLength(settings.reuseMotion) && isLength(settings.set.maxDistance) &&
-           isLength(settings.set.mergeDistance) && settings.set.mergeDistance > 0.0F &&
-           isLength(settings.set.regions.spacing) && settings.set.regions.spacing > 0.0F &&
-           std::isfinite(settings.set.keepCone) && std::isfinite(settings.set.regions.normalCone) &&
-           isLength(settings.local.lean);
+    return isLength(settings.maxDistance) && isLength(settings.slack) && isLength(settings.reuseMotion) &&
+           isLength(settings.set.maxDistance) && isLength(settings.set.mergeDistance) &&
+           settings.set.mergeDistance > 0.0F && isLength(settings.set.regions.spacing) &&
+           settings.set.regions.spacing > 0.0F && std::isfinite(settings.set.keepCone) &&
+           std::isfinite(settings.set.regions.normalCone) && isLength(settings.local.lean);
 }
 
 /// By how much any distance between the two can have changed between two relative poses, at most, m.
@@ -110,8 +110,8 @@ bool testPairs(std::span<const LeafPair> pairs, Purse& purse, LocalContactSearch
     return true;
 }
 
-/// How far beyond maxDistance leaf pairs are collected, so that the list can be used again: nothing if the bodies move too
-/// fast for that.
+/// How far beyond maxDistance leaf pairs are collected, so that the list can be used again: nothing if the bodies move
+/// too fast for that.
 float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
                const PairState& state) {
     const bool slow = state.step <= 1 || motionBetween(a, b, state.searchPose, bInA) <= settings.slack;
@@ -198,7 +198,8 @@ void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     if (overlapping) {
         s.deep.clear();
         const float spacing = settings.set.regions.spacing;
-        penetrationContacts(a, b, bInA, s.search.overlapping(), s.found, {spacing, spacing, maxPointsPerRegion}, s.deep);
+        penetrationContacts(a, b, bInA, s.search.overlapping(), s.found, {spacing, spacing, maxPointsPerRegion},
+                            s.deep);
         s.found.insert(s.found.end(), s.deep.begin(), s.deep.end());
     } else if (complete && settings.interior == Interior::solid && s.found.empty()) {
         containmentContacts(a, b, bInA, s.found);

@@ -21,7 +21,8 @@ bool isValid(const Settings& settings) noexcept {
     const bool knownInterior = settings.interior == Interior::surface || settings.interior == Interior::solid;
     return knownMethod && knownInterior && settings.maxManifolds >= 1 && settings.maxManifolds <= 16 &&
            share(settings.contactSpacing, 10) && share(settings.mergeDistance, 1) && settings.slack >= 0 &&
-           settings.slack <= 1 && settings.reuse >= 0 && settings.reuse <= 0.9F && settings.lean >= 0 && settings.lean <= 0.5F && settings.speculativeLimit >= 0;
+           settings.slack <= 1 && settings.reuse >= 0 && settings.reuse <= 0.9F && settings.lean >= 0 &&
+           settings.lean <= 0.5F && settings.speculativeLimit >= 0;
 }
 
 std::string_view name(Status status) noexcept {

@@ -44,8 +44,8 @@ struct Settings {
     float slack = 0.02F;
     /// While two meshes have moved against each other by less than this share of the contact breaking threshold since
     /// their contacts were last searched for, the known ones are only brought up to date: 0..0.9. What comes nearer
-    /// meanwhile is found before it touches. Larger: bodies that hardly move cost less; smaller: contacts follow rolling
-    /// and rocking more closely. 0: a search in every step.
+    /// meanwhile is found before it touches. Larger: bodies that hardly move cost less; smaller: contacts follow
+    /// rolling and rocking more closely. 0: a search in every step.
     float reuse = 0.5F;
     /// Sine of the angle by which a surface may lean towards the other and still touch with all its corners:
     /// 0..0.5. See LocalContactSettings::lean.

@@ -57,8 +57,8 @@ void visitInside(const MeshModel& mesh, bool isA, std::span<const CutPiece> piec
             use(mesh.topology.welded[corners[i]], (inside >> i & 1U) != 0);
         }
     };
-    // The flood must not leave over a crossing triangle's outer corners. A corner that one pair calls inside and another
-    // outside (an edge of the other mesh is near) is measured, since the ray decides, but not passed.
+    // The flood must not leave over a crossing triangle's outer corners. A corner that one pair calls inside and
+    // another outside (an edge of the other mesh is near) is measured, since the ray decides, but not passed.
     for (const CutPiece& piece : pieces) {
         cornersInside(piece, [&](std::uint32_t vertex, bool inside) {
             if (!inside) {

@@ -180,8 +180,8 @@ bool FeatureContacts::insideOwnBody(const CornerAndFace& pair, const Vector3f& p
                     std::numeric_limits<float>::infinity());
 }
 
-/// A corner below a face but beside it, over edge `edge`: below a valley it is under neither face, and the way out is to
-/// the valley's line.
+/// A corner below a face but beside it, over edge `edge`: below a valley it is under neither face, and the way out is
+/// to the valley's line.
 void FeatureContacts::cornerBehindGap(const CornerAndFace& pair, unsigned edge) {
     const MeshModel& faceModel = pair.faceSide.model();
     const std::uint32_t neighbour = faceModel.topology.across[pair.face.triangle][edge];

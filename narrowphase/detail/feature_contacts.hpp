@@ -27,8 +27,13 @@ class FeatureContacts {
     /// Keeps references to all of them.
     FeatureContacts(const MeshSide& a, const MeshSide& b, float rounding, const LocalContactSettings& settings,
                     ContactCollector& collector)
-        : m_a(&a), m_b(&b), m_settings(settings), m_collector(&collector), m_rounding(rounding),
-          m_cosLean(std::cos(coneWidening(settings.lean))), m_sinLean(std::sin(coneWidening(settings.lean))) {}
+        : m_a(&a),
+          m_b(&b),
+          m_settings(settings),
+          m_collector(&collector),
+          m_rounding(rounding),
+          m_cosLean(std::cos(coneWidening(settings.lean))),
+          m_sinLean(std::sin(coneWidening(settings.lean))) {}
 
     /// Triangles of two solids that face the same way have no contact: at every contact some face each other.
     [[nodiscard]] bool canTouch(const PlacedTriangle& a, const PlacedTriangle& b) const {

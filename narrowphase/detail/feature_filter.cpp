@@ -89,7 +89,6 @@ struct Slack {
     Float16 length;   ///< of coordinates, m
     Float16 reach;    ///< maxDistance and that
     Float16 lateral;  ///< how far before a Voronoi plane a corner within reach still counts, m
-    Float16 shift;    ///< how far the crossing of two edges moves if their normal leans by 0.03, times the sine, m
     float lean;
 };
 
@@ -137,8 +136,8 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
         Mask16 rises = (climbNext >= leastNext) & (climbPrevious >= leastPrevious) & (over.height[c] <= slack.reach);
         Mask16 behind = over.height[c] < slack.length;
         if (!solidFace) {
-            rises = rises | ((-climbNext >= leastNext) & (-climbPrevious >= leastPrevious) &
-                             (-over.height[c] <= slack.reach));
+            rises = rises |
+                    ((-climbNext >= leastNext) & (-climbPrevious >= leastPrevious) & (-over.height[c] <= slack.reach));
             behind = behind | (over.height[c] > zero);
         }
         // The face is within the cone of directions that the corner can be touched in.
@@ -151,8 +150,7 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
         std::uint32_t beside = 0;
         Mask16 inside = allLanes();
         for (int e = 0; e < 3; ++e) {
-            const Float16 tolerated =
-                slack.length + face.length[e] * wide(2e-5F) + abs(over.height[c]) * wide(2e-3F);
+            const Float16 tolerated = slack.length + face.length[e] * wide(2e-5F) + abs(over.height[c]) * wide(2e-3F);
             const Mask16 within = over.beyond[c][e] <= tolerated;
             inside = inside & within;
             beside |= ~bits(within) & gap[e];
@@ -161,7 +159,8 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
     }
 }
 
-/// Fills `forward`; corners that may be nearest to the edges of the face's triangle, in the wedge between its two faces.
+/// Fills `forward`; corners that may be nearest to the edges of the face's triangle, in the wedge between its two
+/// faces.
 template <class Beyond>
 HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const Slack& slack, const Beyond& beyond,
                             CornersOverFace& over, std::uint32_t (&out)[3][3]) {
@@ -189,17 +188,18 @@ HWY_INLINE Mask16 meet(const Outline16& a, int i, const Outline16& b, int j, Mas
     const Float16 squaredSine = dot(common, common);
     const Vector16 offset = b.corner[j] - a.corner[i];
     const Float16 gap = dot(offset, common);
-    // Both times the squared sine. Parallel faces lend their normal, which may differ by 0.02 rad from the common one.
+    // Both times the squared sine. Parallel faces lend their normal, which may differ by 0.02 rad from the common one
+    // and moves the crossing by that much of the gap.
     const Float16 alongA = dot(cross(offset, b.along[j]), common);
     const Float16 alongB = dot(cross(offset, a.along[i]), common);
-    const Float16 off = squaredSine * (slack.length * wide(50.0F)) + sqrt(squaredSine) * slack.shift;
+    const Float16 off = squaredSine * (slack.length * wide(50.0F)) + abs(gap) * wide(0.03F);
     const Float16 longA = a.length[i] * squaredSine;
     const Float16 longB = b.length[j] * squaredSine;
     const Float16 offA = off + longA * wide(1e-4F);
     const Float16 offB = off + longB * wide(1e-4F);
     const Mask16 near = crossing | (gap * gap <= squaredSine * slack.reach * slack.reach * wide(1.01F));
-    const Mask16 meets = near & (alongA >= -offA) & (alongA <= longA + offA) & (alongB >= -offB) &
-                         (alongB <= longB + offB);
+    const Mask16 meets =
+        near & (alongA >= -offA) & (alongA <= longA + offA) & (alongB >= -offB) & (alongB <= longB + offB);
     return meets | (squaredSine < wide(1e-3F));
 }
 
@@ -207,8 +207,8 @@ HWY_INLINE Mask16 meet(const Outline16& a, int i, const Outline16& b, int j, Mas
 /// on the four faces come down to how the other edge climbs over them.
 template <class AcrossA, class AcrossB>
 HWY_INLINE void crossEdges(const Outline16& a, const Outline16& b, Mask16 crossing, const Slack& slack,
-                           Float16 exactLean, const std::uint32_t (&sharp)[3][3], const AcrossA& acrossA, const AcrossB& acrossB,
-                           std::uint32_t (&out)[3][3]) {
+                           Float16 exactLean, const std::uint32_t (&sharp)[3][3], const AcrossA& acrossA,
+                           const AcrossB& acrossB, std::uint32_t (&out)[3][3]) {
     Float16 ownA[3];  // [edge of B]: its climb over A's face
     Float16 ownB[3];  // [edge of A]
     for (int i = 0; i < 3; ++i) {
@@ -237,8 +237,7 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     const Outline16 b = outlineB(leafB);
     const float rounding = 8 * limits.rounding;
     const Slack slack{wide(rounding), wide(limits.maxDistance + rounding),
-                      wide(2e-3F * limits.maxDistance + 2 * rounding), wide(0.03F * limits.maxDistance),
-                      limits.lean + 1e-4F};
+                      wide(2e-3F * limits.maxDistance + 2 * rounding), limits.lean + 1e-4F};
     out.any = 0;
     out.overlapping = 0;
 

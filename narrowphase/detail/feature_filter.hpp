@@ -30,7 +30,7 @@ struct FeatureMasks {
     std::uint32_t overlapping = 0;       ///< the triangles may cut each other
     std::uint32_t cornerBFaceA[3] = {};  ///< [corner of B]
     std::uint32_t cornerAFaceB[3] = {};
-    std::uint32_t edges[3][3] = {};        ///< [edge of A][edge of B]
+    std::uint32_t edges[3][3] = {};         ///< [edge of A][edge of B]
     std::uint32_t cornerBEdgeA[3][3] = {};  ///< [corner of B][edge of A]
     std::uint32_t cornerAEdgeB[3][3] = {};
     std::uint32_t corners[3][3] = {};  ///< [corner of A][corner of B]

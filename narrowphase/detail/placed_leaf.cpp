@@ -104,8 +104,7 @@ void LeafPlacer::fillRows(std::uint32_t leaf, LeafRows& rows) const {
         for (unsigned i = 0; i < 3; ++i) {
             const std::uint32_t other = model.topology.across[triangle][i];
             const std::uint32_t vertex = model.topology.welded[corners[i]];
-            set(rows.across[i], lane,
-                other == noNeighbour ? Vector3f(Vector3f::Zero()) : model.triangleNormals[other]);
+            set(rows.across[i], lane, other == noNeighbour ? Vector3f(Vector3f::Zero()) : model.triangleNormals[other]);
             set(rows.upward[i], lane, model.vertexNormals[vertex]);
             rows.coneCosine[i][lane] = widenedCone(model.vertexCones[vertex], m_cosLean, m_sinLean);
             const unsigned traits = static_cast<unsigned>(model.traits[triangle]) >> i;

@@ -14,15 +14,15 @@ namespace grapeshot::detail {
 /// Lanes are the leaf's triangles; unused ones repeat lane 0 and are not `valid`. Edge e runs from corner e to corner
 /// e + 1. Masks have a bit per lane.
 struct alignas(64) LeafRows {
-    float corner[3][3][4];    ///< [corner][axis][lane], m
-    float along[3][3][4];     ///< unit, [edge]; zero if the edge is a point
-    float outward[3][3][4];   ///< unit, in the triangle's plane, out of it across the edge
-    float beyond[3][3][4];    ///< the same of the triangle across; zero without one
-    float across[3][3][4];    ///< unit normal of the triangle across; zero without one
-    float normal[3][4];       ///< unit, or zero
-    float upward[3][3][4];    ///< vertex normals, [corner]; zero where unknown
-    float coneCosine[3][4];   ///< of the cone about it that the corner can be touched in (MeshModel::vertexCones)
-    float length[3][4];       ///< of the edges, m
+    float corner[3][3][4];   ///< [corner][axis][lane], m
+    float along[3][3][4];    ///< unit, [edge]; zero if the edge is a point
+    float outward[3][3][4];  ///< unit, in the triangle's plane, out of it across the edge
+    float beyond[3][3][4];   ///< the same of the triangle across; zero without one
+    float across[3][3][4];   ///< unit normal of the triangle across; zero without one
+    float normal[3][4];      ///< unit, or zero
+    float upward[3][3][4];   ///< vertex normals, [corner]; zero where unknown
+    float coneCosine[3][4];  ///< of the cone about it that the corner can be touched in (MeshModel::vertexCones)
+    float length[3][4];      ///< of the edges, m
     std::uint32_t valid;
     std::uint32_t sharpCorner[3];  ///< not flatCorner: it may be the end of something
     std::uint32_t bent[3];         ///< edges that may touch others (bentEdges)
