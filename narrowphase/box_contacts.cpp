@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <grapeshot/narrowphase/convex_contacts.hpp>
+#include <grapeshot/narrowphase/detail/box_cut.hpp>
 #include <grapeshot/narrowphase/detail/edge_contact.hpp>
 #include <grapeshot/narrowphase/detail/extremum.hpp>
 #include <grapeshot/narrowphase/detail/point_contacts.hpp>
@@ -42,6 +43,7 @@ class BoxContactFinder {
           m_scratch(scratch),
           m_inside(inside) {
         m_rounding = detail::coordinateRounding(mesh.tree.radius + box.pose.translation.norm() + box.half.norm());
+        m_extent = box.pose.rotation.transpose().cwiseAbs() * (mesh.tree.upper - mesh.tree.lower);
         for (unsigned c = 0; c < 8; ++c) {
             const Vector3f signs((c & 1U) != 0 ? 1.0F : -1.0F, (c & 2U) != 0 ? 1.0F : -1.0F,
                                  (c & 4U) != 0 ? 1.0F : -1.0F);
@@ -116,7 +118,8 @@ class BoxContactFinder {
         }
         const float distance = excess.norm();
         const Vector3f normal = m_box.pose.rotation * (excess / distance);
-        const float lean = beyond == 1 ? m_settings.lean : std::min(0.1F, 1e-3F + m_rounding / distance);
+        const float lean = beyond == 1 ? detail::cornerLean(m_mesh, vertex, m_settings.lean)
+                                       : std::min(0.1F, 1e-3F + m_rounding / distance);
         // One feature of the box has one key: a digit per axis.
         std::uint32_t feature = 0;
         for (int axis = 0; axis < 3; ++axis) {
@@ -139,11 +142,14 @@ class BoxContactFinder {
     void cornersInside() {
         std::array<float, 6> toLeave{};
         std::array<bool, 6> possible{};
+        const bool through = !m_inside.empty() && detail::canReachThrough(m_mesh, m_box);
         for (Inside& corner : m_inside) {
             for (unsigned face = 0; face < 6; ++face) {
                 toLeave[face] = std::max(toLeave[face], depth(corner, face));
-                corner.ways[face] =
-                    !corner.flat && cornerFaces(corner.vertex, m_box.pose.rotation * faceNormal(face), m_settings.lean);
+                // Out of a thin wall nobody goes along it, by more than his own length.
+                corner.ways[face] = !corner.flat && (!through || depth(corner, face) <= m_extent[face / 2]) &&
+                                    cornerFaces(corner.vertex, m_box.pose.rotation * faceNormal(face),
+                                                detail::cornerLean(m_mesh, corner.vertex, m_settings.lean));
                 possible[face] = possible[face] || corner.ways[face];
             }
         }
@@ -293,6 +299,7 @@ class BoxContactFinder {
     detail::ConvexScratch& m_scratch;
     std::vector<Inside>& m_inside;
     std::array<Vector3f, 8> m_corner;  // mesh frame
+    Vector3f m_extent;                 // of the mesh along the box's axes, m
     float m_rounding = 0;
     std::uint64_t m_work = 0;
 };
@@ -304,9 +311,13 @@ std::uint64_t boxContacts(const MeshModel& mesh, const BoxSolid& box, float maxD
     thread_local std::vector<Inside> inside;
     detail::ConvexScratch& scratch = detail::convexScratch();
     scratch.collector.clear();
-    const std::uint64_t work = BoxContactFinder(mesh, box, maxDistance, settings, scratch, inside).run();
+    const std::size_t first = out.size();
+    std::uint64_t work = BoxContactFinder(mesh, box, maxDistance, settings, scratch, inside).run();
     scratch.collector.thinCorners();
     scratch.collector.finish(1e-4F * std::min(mesh.tree.radius, box.half.norm()), out);
+    if (out.size() == first) {
+        work += detail::boxCutContacts(mesh, box, out);
+    }
     return work;
 }
 

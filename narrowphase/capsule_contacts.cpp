@@ -71,7 +71,7 @@ class AxisContacts {
         const Vector3f& outer = m_mesh.vertexNormals[vertex];
         Vector3f normal = distance > 8 * m_rounding ? Vector3f((onA - onAxis) / distance) : Vector3f(-outer);
         // The rule is the same on both sides of the surface: the corner is locally closest to the axis.
-        if (!detail::cornerIsExtremal(m_mesh, vertex, -normal, m_settings.lean)) {
+        if (!detail::cornerIsExtremal(m_mesh, vertex, -normal, detail::cornerLean(m_mesh, vertex, m_settings.lean))) {
             return;
         }
         float height = distance;
@@ -120,8 +120,8 @@ class AxisContacts {
     }
 
     /// `height`: of the mesh above the axis; negative if the axis is inside the mesh there, which is then verified.
-    /// (The axis may run along other faces there, so the point is pulled inwards, against `outer`, by part of its
-    /// depth.)
+    /// (The axis may run along other faces there, so the point is pulled inwards, against `outer`, by what rounding can
+    /// take; by more, and an axis that passes close by outside would be taken for one that is deep inside.)
     void add(const detail::FeaturePairKey& key, const Vector3f& onA, const Vector3f& onAxis, const Vector3f& normal,
              float height, const Vector3f& outer, std::uint32_t triangle) {
         const float distance = height - m_capsule.radius;
@@ -131,8 +131,8 @@ class AxisContacts {
         const SurfaceContact contact{onA, onA - distance * normal, normal, distance, triangle, noTriangle};
         if (height >= -8 * m_rounding) {
             m_out.add(key, contact);
-        } else if (m_mesh.solid &&
-                   detail::isInside(m_mesh, onAxis + 0.25F * height * outer, std::numeric_limits<float>::infinity())) {
+        } else if (m_mesh.solid && detail::isInside(m_mesh, onAxis + std::max(0.25F * height, -64 * m_rounding) * outer,
+                                                    std::numeric_limits<float>::infinity())) {
             m_inside.emplace_back(key, contact);
         }
     }

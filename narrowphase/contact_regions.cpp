@@ -51,6 +51,12 @@ RegionGroups::Summary summarise(std::span<const SurfaceContact> contacts, std::s
     return summary;
 }
 
+/// Do both lie on one flat face, of A or of B?
+bool inOnePlane(const SurfaceContact& seed, const SurfaceContact& other, float height) {
+    return other.normal.dot(seed.normal) >= flatCone && (std::abs((other.onB - seed.onB).dot(seed.normal)) <= height ||
+                                                         std::abs((other.onA - seed.onA).dot(seed.normal)) <= height);
+}
+
 }  // namespace
 
 void groupRegions(std::span<const SurfaceContact> contacts, const RegionSettings& settings, RegionGroups& out) {
@@ -89,6 +95,7 @@ void groupRegions(std::span<const SurfaceContact> contacts, const RegionSettings
         grid.insert(order[i].contact, contacts[order[i].contact].onA);
     }
 
+    const float flat = flatHeight * settings.spacing;
     const float squaredSpacing = settings.spacing * settings.spacing;
     for (const auto& [depth, seed] : order) {
         if (grouped[seed] != 0) {
@@ -96,9 +103,17 @@ void groupRegions(std::span<const SurfaceContact> contacts, const RegionSettings
         }
         const Eigen::Vector3f seedNormal = contacts[seed].normal;
         const std::size_t first = out.members.size();
-        grouped[seed] = 1;
-        out.members.push_back(seed);
-        open.assign(1, seed);
+        open.clear();
+        const auto join = [&](std::uint32_t contact) {
+            grouped[contact] = 1;
+            out.members.push_back(contact);
+            open.push_back(contact);
+        };
+        for (const auto& [otherDepth, other] : order) {
+            if (other == seed || (grouped[other] == 0 && inOnePlane(contacts[seed], contacts[other], flat))) {
+                join(other);
+            }
+        }
         // The last one found comes first: what is connected does not depend on the order, and a search that gets on
         // quickly empties the grid sooner.
         while (!open.empty() && out.members.size() < order.size()) {
@@ -106,7 +121,7 @@ void groupRegions(std::span<const SurfaceContact> contacts, const RegionSettings
             open.pop_back();
             grid.take(contact.onA, [&](std::uint32_t other) {
                 if (grouped[other] != 0) {
-                    return true;  // a seed: left in the grid until somebody comes by
+                    return true;  // joined by another way: left in the grid until somebody comes by
                 }
                 const SurfaceContact& candidate = contacts[other];
                 if ((candidate.onA - contact.onA).squaredNorm() > squaredSpacing ||
@@ -114,9 +129,7 @@ void groupRegions(std::span<const SurfaceContact> contacts, const RegionSettings
                     candidate.normal.dot(seedNormal) < settings.normalCone) {
                     return false;
                 }
-                grouped[other] = 1;
-                out.members.push_back(other);
-                open.push_back(other);
+                join(other);
                 return true;
             });
         }

@@ -9,6 +9,9 @@
 
 namespace grapeshot {
 
+inline constexpr float flatCone = 0.9998F;  // cosine of 0.02 rad
+inline constexpr float flatHeight = 0.01F;
+
 struct RegionSettings {
     /// Two contacts are neighbours if their points are at most this far apart on both surfaces, m, > 0.
     float spacing = 0.1F;
@@ -16,7 +19,9 @@ struct RegionSettings {
     float normalCone = 0.866F;
 };
 
-/// A set of contacts connected along both surfaces within the spacing and the normal cone.
+/// A set of contacts connected along both surfaces within the spacing and the normal cone. Contacts of one flat support
+/// are connected at any distance: those whose normals are within `flatCone` of the deepest one's and whose points on A
+/// or on B lie in one plane across it, within `flatHeight` spacings. (The feet of a table stand on one floor.)
 struct ContactRegion {
     std::vector<std::uint32_t> members;                 ///< indices of the contacts, deepest first
     Eigen::Vector3f normal = Eigen::Vector3f::UnitY();  ///< mean, unit, on B pointing to A, A's frame
@@ -25,7 +30,7 @@ struct ContactRegion {
 };
 
 /// Deepest contact seeds a region, neighbours join, and theirs; and so on with what is left. Deterministic for a
-/// given order of input; regions deepest first. O(n) expected (hash grid).
+/// given order of input; regions deepest first. O(n) expected (hash grid), and a look at every contact per region.
 [[nodiscard]] std::vector<ContactRegion> groupRegions(std::span<const SurfaceContact> contacts,
                                                       const RegionSettings& settings);
 

@@ -30,7 +30,8 @@ std::uint64_t planeContacts(const MeshModel& mesh, const PlaneSolid& plane, floa
             const detail::FeaturePairKey key{detail::cornerKey(vertex), detail::faceKey(0)};
             const Vector3f& normal = mesh.vertexNormals[vertex];
             if (!scratch.collector.isNew(key, triangle, noTriangle) || (mesh.solid && normal.dot(plane.normal) > 0) ||
-                !detail::cornerIsExtremal(mesh, vertex, -plane.normal, settings.lean)) {
+                !detail::cornerIsExtremal(mesh, vertex, -plane.normal,
+                                          detail::cornerLean(mesh, vertex, settings.lean))) {
                 continue;
             }
             const Vector3f& onA = mesh.tree.vertices[vertex];
@@ -61,10 +62,11 @@ bool isLocalExtremum(const MeshModel& mesh, std::uint32_t triangle, int feature,
     if (mesh.solid && detail::pseudonormal(mesh, triangle, feature).dot(towardsOther) < 0) {
         return false;
     }
-    return feature < 3 ? detail::cornerIsExtremal(mesh, mesh.topology.welded[mesh.tree.triangles[triangle][feature]],
-                                                  towardsOther, settings.lean)
-                       : detail::edgeIsExtremal(mesh, triangle, static_cast<unsigned>(feature - 3), towardsOther,
-                                                settings.lean);
+    if (feature >= 3) {
+        return detail::edgeIsExtremal(mesh, triangle, static_cast<unsigned>(feature - 3), towardsOther, settings.lean);
+    }
+    const std::uint32_t vertex = mesh.topology.welded[mesh.tree.triangles[triangle][static_cast<unsigned>(feature)]];
+    return detail::cornerIsExtremal(mesh, vertex, towardsOther, detail::cornerLean(mesh, vertex, settings.lean));
 }
 
 }  // namespace grapeshot

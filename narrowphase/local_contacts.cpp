@@ -172,6 +172,9 @@ void LocalContactSearch::finish(std::vector<SurfaceContact>& out) {
                   return std::pair(left.pair.triangleA, left.pair.triangleB) <
                          std::pair(right.pair.triangleA, right.pair.triangleB);
               });
+    // A leaf pair may have come more than once.
+    const auto same = [](const TriangleContact& left, const TriangleContact& right) { return left.pair == right.pair; };
+    s.overlapping.erase(std::unique(s.overlapping.begin(), s.overlapping.end(), same), s.overlapping.end());
     s.collector.thinCorners();
     s.collector.finish(1e-4F * std::min(s.a->tree.radius, s.b->tree.radius), out);
 }

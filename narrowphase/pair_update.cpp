@@ -118,9 +118,22 @@ float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const P
     return slow ? settings.slack : 0.0F;
 }
 
-/// Traversal and tests in turns, so that a small budget finds some contacts before it knows all candidates. The turns
-/// do not depend on the budget, so a larger one does what a smaller one does, and more. True if all were found.
+/// Steps of the first dive into the trees: enough to reach some leaf pairs of a million triangles.
+constexpr std::uint64_t diveWork = 16;
+
+/// Traversal and tests in turns, so that a small budget finds some contacts before it knows all candidates: first a
+/// dive where the boxes overlap deepest (best first would look at all the large nodes before any leaf), then best
+/// first. The turns do not depend on the budget, so a larger one does what a smaller one does, and more. True if all
+/// were found.
 bool traverseInTurns(Query& traversal, const Pose& bInA, float reach, Purse& purse, Scratch& s) {
+    Budget dive = purse.left();
+    dive.work = std::min(dive.work, diveWork);
+    traversal.leafPairs(bInA, {reach, Order::depthFirst}, dive, s.leafPairs);
+    purse.pay(s.leafPairs.work);
+    const bool tested = testPairs(s.leafPairs.pairs, purse, s.search);
+    if (!tested || s.leafPairs.certain) {
+        return tested;
+    }
     s.leafPairs.pairs.clear();
     s.leafPairs.certain = false;
     std::size_t testedUntil = 0;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 
 #include <grapeshot/adb/point_query.hpp>
@@ -25,6 +26,14 @@ namespace grapeshot::detail {
 [[nodiscard]] inline float widenedCone(const NormalCone& cone, float cosine, float sine) {
     const bool all = cone.cosine <= -1 || cone.sine * cosine + cone.cosine * sine <= 0;  // half a turn and more
     return all ? -2.0F : cone.cosine * cosine - cone.sine * sine;
+}
+
+/// The lean that a corner on a face is allowed: no more than the half angle of its own cone. A block may tilt by the
+/// whole lean and still stand on all its corners; on a smooth surface only the corners around the lowest point are
+/// contacts, or a ball would stand on a foot and roll like one.
+[[nodiscard]] inline float cornerLean(const MeshModel& model, std::uint32_t vertex, float lean) {
+    const NormalCone& cone = model.vertexCones[vertex];
+    return cone.cosine > 0 ? std::min(lean, cone.sine) : lean;
 }
 
 /// No edge at the welded vertex leads along `towards`.

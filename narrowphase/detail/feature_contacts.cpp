@@ -46,6 +46,7 @@ struct FeatureContacts::CornerAndFace {
     const PlacedTriangle& face;
     Vector3f outward;  // unit: from the face towards the corner's body
     float height;      // of the corner above the face, along `outward`
+    float lean;        // allowed to the corner
 };
 
 void FeatureContacts::everything(const PlacedTriangle& a, const PlacedTriangle& b) {
@@ -80,13 +81,14 @@ void FeatureContacts::cornerAndFace(const MeshSide& cornerSide, const PlacedTria
     if (!(side * height <= m_settings.maxDistance)) {
         return;
     }
+    const float lean = cornerLean(cornerSide.model(), vertex, m_settings.lean);
     const auto rises = [&](unsigned other) {
         const Vector3f along = triangle.corner[other] - point;
         const float climb = side * along.dot(face.normal);
-        return climb >= 0 || climb * climb <= m_settings.lean * m_settings.lean * along.squaredNorm();
+        return climb >= 0 || climb * climb <= lean * lean * along.squaredNorm();
     };
     if (rises((corner + 1) % 3) && rises((corner + 2) % 3)) {
-        cornerOnFace({cornerSide, triangle, point, vertex, faceSide, face, side * face.normal, side * height});
+        cornerOnFace({cornerSide, triangle, point, vertex, faceSide, face, side * face.normal, side * height, lean});
     }
 }
 
@@ -112,22 +114,21 @@ void FeatureContacts::cornerOnFace(const CornerAndFace& pair) {
     }
     const std::uint64_t face = faceKey(pair.face.triangle);
     if (counts(pair.triangle, pair.face, pair.height) && isNew(pair.cornerSide, pair.vertex, face) &&
-        cornerFaces(pair.cornerSide, pair.vertex, -pair.outward, m_settings.lean) && (!behind || reallyBehind(pair))) {
+        cornerFaces(pair.cornerSide, pair.vertex, -pair.outward, pair.lean) && (!behind || reallyBehind(pair))) {
         add(pair.cornerSide, pair.vertex, face,
             {pair.point, pair.point - pair.height * pair.outward, pair.outward, pair.height, noTriangle,
              pair.face.triangle});
     }
 }
 
-/// Deeper than maxDistance only what triangles say that cut each other (or nearly): what else lies so deep is found or
-/// not by the chance of what is near it, and left to penetration.hpp.
+/// Deeper than maxDistance only what triangles say that cut each other: what else lies so deep is found or not by the
+/// chance of what is near it, and left to penetration.hpp.
 bool FeatureContacts::counts(const PlacedTriangle& a, const PlacedTriangle& b, float signedDistance) const {
     if (signedDistance >= -m_settings.maxDistance) {
         return true;
     }
     TriangleBatch batchA;
     TriangleBatch batchB;
-    DistanceBatch distances;
     for (unsigned lane = 0; lane < batchWidth; ++lane) {
         for (unsigned c = 0; c < 3; ++c) {
             for (unsigned axis = 0; axis < 3; ++axis) {
@@ -136,8 +137,7 @@ bool FeatureContacts::counts(const PlacedTriangle& a, const PlacedTriangle& b, f
             }
         }
     }
-    signedDistances(batchA, batchB, distances);
-    return distances.signedDistance[0] <= m_settings.maxDistance;
+    return (overlaps(batchA, batchB) & 1U) != 0;
 }
 
 /// The corner's surroundings lead away from `towards`, and its body lies on the other side.
@@ -196,7 +196,7 @@ void FeatureContacts::cornerBehindGap(const CornerAndFace& pair, unsigned edge) 
     const float length = way.norm();
     const float turn = pair.face.normal.dot(pair.faceSide.directionToA(faceModel.triangleNormals[neighbour]));
     if (length < 8 * m_rounding || way.dot(pair.outward) < (turn - 1e-3F) * length ||
-        !cornerFaces(pair.cornerSide, pair.vertex, -way / length, m_settings.lean)) {
+        !cornerFaces(pair.cornerSide, pair.vertex, -way / length, pair.lean)) {
         return;
     }
     const Vector3f local = pair.faceSide.pointFromA(pair.point);
@@ -212,7 +212,7 @@ void FeatureContacts::cornerBehindGap(const CornerAndFace& pair, unsigned edge) 
     const std::uint64_t key = meshFeatureKey(faceModel, closest->triangle, closest->feature);
     const Vector3f outward = (onFace - pair.point) / closest->distance;
     if (counts(pair.triangle, pair.face, -closest->distance) && isNew(pair.cornerSide, pair.vertex, key) &&
-        cornerFaces(pair.cornerSide, pair.vertex, -outward, m_settings.lean)) {
+        cornerFaces(pair.cornerSide, pair.vertex, -outward, pair.lean)) {
         add(pair.cornerSide, pair.vertex, key,
             {pair.point, onFace, outward, -closest->distance, noTriangle, closest->triangle});
     }

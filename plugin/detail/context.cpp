@@ -82,15 +82,22 @@ void Context::install(btCollisionDispatcher& dispatcher) {
                 takeBoth(other);
             }
         }
-        btCollisionAlgorithmCreateFunc* empty = emptyCreatorIn(dispatcher, table);
         for (const int other : unknownTypes) {
-            if (creatorIn(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other) == empty) {
-                take(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
-            }
-            if (creatorIn(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE) == empty) {
-                take(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
-            }
+            takeIfEmpty(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
+            takeIfEmpty(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
         }
+    }
+}
+
+/// A place that somebody else has taken since is theirs.
+void Context::takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int first, int second) {
+    btCollisionAlgorithmCreateFunc* present = creatorIn(dispatcher, table, first, second);
+    if (present == emptyCreatorIn(dispatcher, table)) {
+        take(dispatcher, table, first, second);
+    } else if (present != creators[static_cast<std::size_t>(table)].get()) {
+        std::erase_if(cells, [&](const Cell& cell) {
+            return cell.table == table && cell.first == first && cell.second == second;
+        });
     }
 }
 

@@ -58,6 +58,7 @@ struct Context : std::enable_shared_from_this<Context> {
 
   private:
     void take(btCollisionDispatcher& dispatcher, Table table, int first, int second);
+    void takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int first, int second);
     void giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const;
 };
 

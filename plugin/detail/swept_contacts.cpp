@@ -58,9 +58,11 @@ class Sweep {
             const btScalar middle = (before + after) / 2;
             (hits(middle) ? after : before) = middle;
         }
-        collect(after);
+        // The last moment before: what is nearest then touches first, and no overlap hides which way is out. With what
+        // follows within a stride, so that the body does not turn about a single point into the other.
+        collect(before, m_settings.maxDistance + motion / static_cast<float>(steps));
         if (m_found.empty()) {
-            collect(before);  // so deep that nothing tells the way out
+            collect(after, m_settings.maxDistance);
         }
         if (!m_found.empty()) {
             ContactSetSettings set = m_settings.set;
@@ -91,15 +93,15 @@ class Sweep {
         return !m_then.empty();
     }
 
-    /// The contacts of that time which are none now, in m_found, as they are now.
-    void collect(btScalar seconds) {
+    /// The contacts of that time within `reach` which are none now, in m_found, as they are now.
+    void collect(btScalar seconds, float reach) {
         const Pose then = poseAt(seconds);
         m_then.clear();
         m_found.clear();
         if (!isRigid(then)) {
             return;
         }
-        m_work += nearContacts(m_shapes, then, m_settings.maxDistance, m_settings, m_task.budget, m_then);
+        m_work += nearContacts(m_shapes, then, reach, m_settings, m_task.budget, m_then);
         const Pose thenToNow = compose(m_now, inverse(then));  // of points fixed to B, A's frame
         for (SurfaceContact contact : m_then) {
             contact.onB = apply(thenToNow, contact.onB);

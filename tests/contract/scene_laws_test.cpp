@@ -117,7 +117,7 @@ TEST(SceneLaws, TwoScenesInTurnsDoNotMeetEachOther) {
 
 /// Moved and turned as a whole, a scene runs the same until rounding has grown: until the first bodies meet to 1 mm,
 /// later in what it comes to.
-TEST(SceneLaws, DISABLED_ARigidMotionOfAllChangesNothing) {
+TEST(SceneLaws, ARigidMotionOfAllChangesNothing) {
     const PoseD motion{Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(), {2, -1, 3}};
     World still = makeScene();
     World moved = makeScene({}, motion);

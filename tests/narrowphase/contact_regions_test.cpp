@@ -33,8 +33,13 @@ std::vector<SurfaceContact> randomContacts(std::size_t count, double extent, flo
         const Eigen::Vector3f place(static_cast<float>(random.uniform(-extent, extent)),
                                     static_cast<float>(random.uniform(-extent, extent)),
                                     static_cast<float>(random.uniform(-extent, extent)));
-        const Eigen::Vector3f normal = normals[random.bits() % normals.size()] + scatter * random.direction();
-        contacts.push_back(contactAt(place, normal, static_cast<float>(random.uniform(-0.01, 0.03))));
+        const Eigen::Vector3f& face = normals[random.bits() % normals.size()];
+        const auto gap = static_cast<float>(random.uniform(-0.01, 0.03));
+        if (random.bits() % 4 == 0) {  // on a flat face of B through the origin
+            contacts.push_back(contactAt(place - face.dot(place) * face + 0.5F * gap * face, face, gap));
+        } else {
+            contacts.push_back(contactAt(place, face + scatter * random.direction(), gap));
+        }
     }
     return contacts;
 }
@@ -54,6 +59,17 @@ std::vector<std::vector<std::uint32_t>> regionsByDefinition(const std::vector<Su
         }
         std::vector<std::uint32_t> members = {seed};
         taken[seed] = 1;
+        for (std::uint32_t other = 0; other < contacts.size(); ++other) {
+            const auto height = [&](const Eigen::Vector3f& to, const Eigen::Vector3f& from) {
+                return std::abs((to - from).dot(contacts[seed].normal));
+            };
+            if (taken[other] == 0 && contacts[other].normal.dot(contacts[seed].normal) >= flatCone &&
+                std::min(height(contacts[other].onA, contacts[seed].onA),
+                         height(contacts[other].onB, contacts[seed].onB)) <= flatHeight * settings.spacing) {
+                taken[other] = 1;
+                members.push_back(other);
+            }
+        }
         for (std::size_t at = 0; at < members.size(); ++at) {
             for (std::uint32_t other = 0; other < contacts.size(); ++other) {
                 if (taken[other] == 0 && (contacts[other].onA - contacts[members[at]].onA).norm() <= settings.spacing &&
@@ -155,13 +171,33 @@ TEST(ContactRegions, NearOnOneSurfaceOnlyIsNotTheSameRegion) {
     // Two fingers of B that touch A at places far apart on B but near on A, and the other way round.
     SurfaceContact first, second;
     first.onA = {0, 0, 0}, first.onB = {0, -0.01F, 0};
-    second.onA = {0.05F, 0, 0}, second.onB = {0.5F, -0.01F, 0};
+    second.onA = {0.05F, 0.01F, 0}, second.onB = {0.5F, 0, 0};
     EXPECT_EQ(groupRegions(std::vector{first, second}, {}).size(), 2U);
-    std::swap(second.onA, second.onB);
+    second.onA = {0.5F, 0.01F, 0}, second.onB = {0.05F, 0, 0};
     EXPECT_EQ(groupRegions(std::vector{first, second}, {}).size(), 2U);
-    second.onB = {0.05F, -0.01F, 0};
-    second.onA = {0.05F, 0, 0};
+    second.onB = {0.05F, 0, 0};
+    second.onA = {0.05F, 0.01F, 0};
     EXPECT_EQ(groupRegions(std::vector{first, second}, {}).size(), 1U);
+}
+
+TEST(ContactRegions, OneFlatSupportIsOneRegionHoweverFarItsPointsAreApart) {
+    std::vector<SurfaceContact> feet;
+    for (const float x : {-3.0F, 3.0F}) {
+        for (const float z : {-2.0F, 2.0F}) {
+            feet.push_back(contactAt({x, 0, z}, {0, 1, 0}, 0));
+        }
+    }
+    EXPECT_EQ(groupRegions(feet, {}).size(), 1U);
+    feet.push_back(contactAt({0, 0.5F, 0}, {0, 1, 0}, 0));  // on another step
+    feet.push_back(contactAt({0, 0, 9}, {0, -1, 0}, 0));    // from below
+    feet.push_back(contactAt({9, 0, 0}, {0.1F, 1, 0}, 0));  // on a slope
+    EXPECT_EQ(groupRegions(feet, {}).size(), 4U);
+    // Standing askew: the floor is still one plane.
+    for (SurfaceContact& foot : feet) {
+        foot.signedDistance = 0.01F * foot.onB.x();
+        foot.onA = foot.onB + foot.signedDistance * foot.normal;
+    }
+    EXPECT_EQ(groupRegions(std::span(feet).first(4), {}).size(), 1U);
 }
 
 TEST(ContactRegions, FarFromTheOriginAndBadNumbersAreHarmless) {

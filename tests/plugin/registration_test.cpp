@@ -91,7 +91,7 @@ TEST_F(Dispatching, UnregisterRestoresGImpactToo) {
     EXPECT_EQ(unregisterAlgorithms(&dispatcher), Status::notRegistered);
 }
 
-TEST_F(Dispatching, DISABLED_NoticesThatItWasOvertaken) {
+TEST_F(Dispatching, NoticesThatItWasOvertaken) {
     ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
     EXPECT_FALSE(isRegistered(&dispatcher));

@@ -47,7 +47,7 @@ struct Touch {
 
 class Solids : public testing::TestWithParam<bool> {};
 
-TEST_P(Solids, DISABLED_BoxOnPlane) {
+TEST_P(Solids, BoxOnPlane) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}, 4), Kind::mesh, margin);
     btStaticPlaneShape plane({0, 1, 0}, 0.3_s);
     const btTransform planePose = at({1, 2, 3}, btQuaternion({1, 0, 0}, 0.4_s));
@@ -73,7 +73,7 @@ TEST_P(Solids, PlaneMarginCountsAsInGImpact) {
     EXPECT_NEAR(touch.deepest(), 0, 1e-5);
 }
 
-TEST_P(Solids, DISABLED_BoxOnBox) {
+TEST_P(Solids, BoxOnBox) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}, 3), Kind::part, margin);
     btBoxShape solid({2, 0.5_s, 2});
     for (const btScalar solidMargin : {0.04_s, 0.1_s}) {  // inside its size, whatever it is

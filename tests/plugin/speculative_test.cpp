@@ -37,7 +37,7 @@ TEST(Speculative, AFastMeshIsStoppedByAThinMeshWall) {
     EXPECT_GT(ahead, 0);
 }
 
-TEST(Speculative, DISABLED_AlsoBySheetsBySolidsAndWhileSpinning) {
+TEST(Speculative, AlsoBySheetsBySolidsAndWhileSpinning) {
     const MeshShape bullet(scenes::bumpySphere(0.2F, 0.03F, 5, 5), Kind::mesh, 0.005_s);
     scenes::Mesh upright = scenes::grid(2, 2, 4, 4);
     for (Eigen::Vector3f& v : upright.vertices) {

@@ -95,12 +95,12 @@ TEST(World, AnEmptyMeshIsRefused) {
     EXPECT_THAT(world.stats().lastRefusal, testing::Not(testing::IsEmpty()));
 }
 
-TEST(World, DISABLED_ANaNPoseIsRefusedAndTheOthersGoOn) {
+TEST(World, ANaNPoseIsRefusedAndTheOthersGoOn) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh);
     TestWorld world;
     world.add(*box, at({0, 0, 0}));
     btRigidBody& lost = world.add(*box, at({0, 1.02_s, 0}), 1);
-    btRigidBody& kept = world.add(*box, at({0.5_s, 2.04_s, 0}), 1);
+    btRigidBody& kept = world.add(*box, at({0.2_s, 2.04_s, 0}), 1);
     kept.setActivationState(DISABLE_DEACTIVATION);
     lost.setActivationState(DISABLE_DEACTIVATION);
     world.step(10);
@@ -213,7 +213,7 @@ TEST(Statistics, AddUp) {
     EXPECT_GT(world.stats().algorithms, 6U);
 }
 
-TEST(Statistics, DISABLED_BudgetIsKeptAndSaid) {
+TEST(Statistics, BudgetIsKeptAndSaid) {
     const MeshShape ball(scenes::bumpySphere(0.5F, 0.1F, 7, 24), Kind::mesh);
     Settings settings;
     settings.pairBudget.work = 20;

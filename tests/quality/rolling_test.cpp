@@ -45,7 +45,7 @@ Rolled roll(Body kind, Floor floor, double slope, double startSpeed, double seco
 
 class Rolling : public testing::TestWithParam<Floor> {};
 
-TEST_P(Rolling, DISABLED_DownASlopeSpeedGrowsAsTheFormulaSays) {
+TEST_P(Rolling, DownASlopeSpeedGrowsAsTheFormulaSays) {
     const double slope = 0.3;
     const double seconds = 1.5;
     const double expected = 5.0 / 7 * gravity * std::sin(slope) * seconds;
@@ -57,7 +57,7 @@ TEST_P(Rolling, DISABLED_DownASlopeSpeedGrowsAsTheFormulaSays) {
     EXPECT_LT(mesh.sideways, 0.02);
 }
 
-TEST_P(Rolling, DISABLED_AfterSlidingFiveSeventhsOfTheSpeedAreLeft) {
+TEST_P(Rolling, AfterSlidingFiveSeventhsOfTheSpeedAreLeft) {
     const double startSpeed = 4;
     const double expected = 5.0 / 7 * startSpeed;
     const Rolled mesh = roll(Body::mesh, GetParam(), 0, startSpeed, 1.0);
