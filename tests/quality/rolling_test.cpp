@@ -7,10 +7,18 @@ namespace grapeshot::test {
 namespace {
 
 constexpr double radius = 0.5;  ///< m
-/// 20 480 triangles: the edges are 4 cm, the facets stand 0.3 mm below the sphere.
+/// 81 920 triangles: the edges are 2 cm. Coarser balls roll like the polyhedra they are: each facet that comes down costs
+/// (5/14) (angle of a facet)^2 of the speed, 18 % a turn with edges of 4 cm.
 const scenes::Mesh& ball() {
-    static const scenes::Mesh mesh = scenes::sphere(static_cast<float>(radius), 32);
+    static const scenes::Mesh mesh = scenes::sphere(static_cast<float>(radius), 64);
     return mesh;
+}
+
+/// Part of a force along the floor, or of a starting speed, that becomes speed of a rolling ball. 5/7 but for the
+/// margins, on which the ball rolls.
+double rollingShare(Floor floor) {
+    const double lever = radius + restGap(Body::mesh, floor);
+    return 1 / (1 + 0.4 * radius * radius / (lever * lever));
 }
 
 struct Rolled {
@@ -48,7 +56,7 @@ class Rolling : public testing::TestWithParam<Floor> {};
 TEST_P(Rolling, DownASlopeSpeedGrowsAsTheFormulaSays) {
     const double slope = 0.3;
     const double seconds = 1.5;
-    const double expected = 5.0 / 7 * gravity * std::sin(slope) * seconds;
+    const double expected = rollingShare(GetParam()) * gravity * std::sin(slope) * seconds;
     const Rolled mesh = roll(Body::mesh, GetParam(), slope, 0, seconds);
     const Rolled primitive = roll(Body::primitive, Floor::plane, slope, 0, seconds);
     EXPECT_NEAR(mesh.speed, expected, 0.02 * expected);
@@ -59,7 +67,7 @@ TEST_P(Rolling, DownASlopeSpeedGrowsAsTheFormulaSays) {
 
 TEST_P(Rolling, AfterSlidingFiveSeventhsOfTheSpeedAreLeft) {
     const double startSpeed = 4;
-    const double expected = 5.0 / 7 * startSpeed;
+    const double expected = rollingShare(GetParam()) * startSpeed;
     const Rolled mesh = roll(Body::mesh, GetParam(), 0, startSpeed, 1.0);
     const Rolled primitive = roll(Body::primitive, Floor::plane, 0, startSpeed, 1.0);
     EXPECT_NEAR(mesh.speed, expected, 0.02 * expected);
