@@ -38,9 +38,10 @@ constexpr int previous(int i) {
     return i == 0 ? 2 : i - 1;
 }
 
-/// One triangle of each pair, spread or repeated.
+/// One triangle of each pair, spread or repeated. Its edges are loaded when they are needed: most pairs end before.
 struct Outline16 {
-    Vector16 corner[3], along[3], normal;
+    Vector16 corner[3], normal;
+    Vector16 along[3];
     Float16 length[3];
 };
 /// The directions that the corners can be touched in.
@@ -64,25 +65,33 @@ HWY_INLINE Cones16 conesB(const LeafRows& leaf) {
     }
     return out;
 }
-HWY_INLINE Outline16 outlineA(const LeafRows& leaf) {
+HWY_INLINE Outline16 cornersA(const LeafRows& leaf) {
     Outline16 out;
     for (int i = 0; i < 3; ++i) {
         out.corner[i] = spreadRows(leaf.corner[i]);
-        out.along[i] = spreadRows(leaf.along[i]);
-        out.length[i] = spreadA(leaf.length[i]);
     }
     out.normal = spreadRows(leaf.normal);
     return out;
 }
-HWY_INLINE Outline16 outlineB(const LeafRows& leaf) {
+HWY_INLINE Outline16 cornersB(const LeafRows& leaf) {
     Outline16 out;
     for (int i = 0; i < 3; ++i) {
         out.corner[i] = repeatRows(leaf.corner[i]);
-        out.along[i] = repeatRows(leaf.along[i]);
-        out.length[i] = repeatB(leaf.length[i]);
     }
     out.normal = repeatRows(leaf.normal);
     return out;
+}
+HWY_INLINE void loadEdgesA(const LeafRows& leaf, Outline16& out) {
+    for (int i = 0; i < 3; ++i) {
+        out.along[i] = spreadRows(leaf.along[i]);
+        out.length[i] = spreadA(leaf.length[i]);
+    }
+}
+HWY_INLINE void loadEdgesB(const LeafRows& leaf, Outline16& out) {
+    for (int i = 0; i < 3; ++i) {
+        out.along[i] = repeatRows(leaf.along[i]);
+        out.length[i] = repeatB(leaf.length[i]);
+    }
 }
 
 struct Slack {
@@ -105,11 +114,13 @@ HWY_INLINE void heightsOver(const Outline16& face, const Outline16& other, Float
     }
 }
 
-/// Fills `beyond`; which pairs no plane through an edge of the face parts by more than the reach.
+/// Fills `beyond`; which pairs neither the face's plane nor one through an edge of it, nor both together, part by more
+/// than the reach. `gap`: to the plane.
 template <class Outwards>
-HWY_INLINE Mask16 beyondEdges(const Outline16& face, const Outline16& other, const Slack& slack,
+HWY_INLINE Mask16 beyondEdges(const Outline16& face, const Outline16& other, Float16 gap, const Slack& slack,
                               const Outwards& outwards, CornersOverFace& over) {
     Mask16 near = allLanes();
+    const Float16 left = slack.reach * slack.reach * wide(1 + 1e-5F) - gap * gap;
     for (int e = 0; e < 3; ++e) {
         const Vector16 out = outwards(e);
         Float16 nearest = wide(0);
@@ -117,7 +128,7 @@ HWY_INLINE Mask16 beyondEdges(const Outline16& face, const Outline16& other, con
             over.beyond[c][e] = dot(out, other.corner[c] - face.corner[e]);
             nearest = c == 0 ? over.beyond[c][e] : min(nearest, over.beyond[c][e]);
         }
-        near = near & (nearest <= slack.reach);
+        near = near & ((nearest <= wide(0)) | (nearest * nearest <= left));
     }
     return near;
 }
@@ -233,8 +244,8 @@ HWY_INLINE void crossEdges(const Outline16& a, const Outline16& b, Mask16 crossi
 }
 
 void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLimits& limits, FeatureMasks& out) {
-    const Outline16 a = outlineA(leafA);
-    const Outline16 b = outlineB(leafB);
+    Outline16 a = cornersA(leafA);
+    Outline16 b = cornersB(leafB);
     const float rounding = 8 * limits.rounding;
     const Slack slack{wide(rounding), wide(limits.maxDistance + rounding),
                       wide(2e-3F * limits.maxDistance + 2 * rounding), limits.lean + 1e-4F};
@@ -267,15 +278,19 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     if (open == 0U) {
         return;
     }
+    const Float16 zero = wide(0);
     near = beyondEdges(
-        a, b, slack, [&](int e) HWY_ATTR { return spreadRows(leafA.outward[e]); }, overA);
+        a, b, max(max(lowA, -highA), zero), slack, [&](int e) HWY_ATTR { return spreadRows(leafA.outward[e]); }, overA);
     near = near & beyondEdges(
-                      b, a, slack, [&](int e) HWY_ATTR { return repeatRows(leafB.outward[e]); }, overB);
+                      b, a, max(max(lowB, -highB), zero), slack,
+                      [&](int e) HWY_ATTR { return repeatRows(leafB.outward[e]); }, overB);
     open &= bits(near);
     if (open == 0U) {
         return;
     }
 
+    loadEdgesA(leafA, a);
+    loadEdgesB(leafB, b);
     std::uint32_t gapA[3];
     std::uint32_t gapB[3];
     std::uint32_t sharp[3][3];

@@ -43,10 +43,12 @@ bool visitSample(std::size_t size, std::size_t count, std::size_t phase, Visit&&
 std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shape, ModelCache& cache, Check check,
                                                     std::uint64_t step) {
     const std::lock_guard lock(m_mutex);
-    if (m_model && !m_changed && check == Check::sampled && step != 0 && m_checkedStep == step) {
+    const std::uint64_t lastLook = check == Check::sampled ? m_checkedStep : m_thoroughStep;
+    if (m_model && !m_changed && step != 0 && lastLook == step) {
         return m_model;
     }
     m_checkedStep = step;
+    m_thoroughStep = check == Check::thorough ? step : m_thoroughStep;
     m_found.clear();
     bool described = false;
     try {

@@ -50,6 +50,7 @@ class ShapeEntry {
     std::vector<PartSource> m_found;
     std::shared_ptr<const ShapeModel> m_model;
     std::uint64_t m_checkedStep = 0;
+    std::uint64_t m_thoroughStep = 0;
     std::size_t m_cursor = 0;  // where the next sample begins
     bool m_changed = false;
 };
