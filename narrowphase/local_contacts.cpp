@@ -90,7 +90,7 @@ std::size_t LocalContactSearch::add(std::span<const LeafPair> pairs, std::uint64
             continue;
         }
         const bool boxesOverlap = std::max(apartInA.maxCoeff(), apartInB.maxCoeff()) <= s.boxRounding;
-        const bool facing = detail::faceEachOther(leafA, leafB, twoSided);
+        const bool facing = !(leafA.plain && leafB.plain) && detail::faceEachOther(leafA, leafB, twoSided);
         if (!facing && !boxesOverlap) {
             continue;
         }

@@ -46,8 +46,8 @@ class LocalContactSearch {
 
     void start(const MeshModel& a, const MeshModel& b, const Pose& bInA, const LocalContactSettings& settings);
     /// Tests leaf pairs from the front as long as the work lasts; returns how many it is done with. Each costs up to
-    /// three units, most none or one: boxes that are farther apart than maxDistance, and surfaces that neither face
-    /// each other nor cross, cost nothing.
+    /// three units. Boxes that are farther apart than maxDistance, surfaces that neither face each other nor cross, and
+    /// the insides of two flat faces cost nothing.
     std::size_t add(std::span<const LeafPair> pairs, std::uint64_t mostWork = unlimited);
     /// Appends the contacts in A's frame. Nothing depends on the order of the leaf pairs.
     void finish(std::vector<SurfaceContact>& out);

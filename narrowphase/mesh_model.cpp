@@ -153,7 +153,7 @@ void computeDerived(MeshModel& model) {
     computeVertexNormals(model);
     computeVertexCones(model);
     computeTraits(model);
-    model.leafShapes = detail::leafShapes(model.tree, model.topology, model.triangleNormals);
+    model.leafShapes = detail::leafShapes(model.tree, model.topology, model.triangleNormals, model.traits);
     model.solid = model.topology.closed && model.report.volume > 0;
 }
 

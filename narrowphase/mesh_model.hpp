@@ -37,6 +37,7 @@ struct LeafShape {
     Eigen::Vector3f axis = Eigen::Vector3f::UnitX();   ///< of the cone
     float cosSpread = -1;                              ///< of the cone's half angle; -1: every direction
     float sinSpread = 0;
+    bool plain = false;  ///< inside a flat face: no corner and no edge that anything could end at
 };
 
 struct MeshModel {

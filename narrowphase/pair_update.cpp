@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <grapeshot/narrowphase/penetration.hpp>
+#include <grapeshot/narrowphase/relative_motion.hpp>
 
 namespace grapeshot {
 namespace {
@@ -68,14 +69,10 @@ bool isUsable(const PairSettings& settings) {
            std::isfinite(settings.set.regions.normalCone) && isLength(settings.local.lean);
 }
 
-/// By how much any distance between the two can have changed between two relative poses, at most, m.
-float motionBetween(const MeshModel& a, const MeshModel& b, const Pose& before, const Pose& now) {
-    // Points of B in A's frame, or points of A in B's: either bounds it.
-    const float moved = std::min(motionBound(before, now, b.tree.radius),
-                                 motionBound(inverse(before), inverse(now), a.tree.radius) +
-                                     // The inverse poses are rounded.
-                                     1e-6F * (before.translation.norm() + now.translation.norm()));
-    return moved + 4e-6F * (a.tree.radius + b.tree.radius);
+/// Have points that may be contacts now surely moved against each other by no more than `limit` since `before`?
+bool movedAtMost(float limit, const MeshModel& a, const MeshModel& b, const Pose& before, const Pose& now,
+                 const PairSettings& settings) {
+    return movedAtMost(limit, a.tree, b.tree, before, now, settings.maxDistance);
 }
 
 /// Do the kept candidates hold every leaf pair within maxDistance?
@@ -88,7 +85,7 @@ bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const Pa
         !std::all_of(state.candidates.begin(), state.candidates.end(), known)) {
         return false;
     }
-    return motionBetween(a, b, state.candidatePose, bInA) + settings.maxDistance <= state.candidateDistance;
+    return movedAtMost(state.candidateDistance - settings.maxDistance, a, b, state.candidatePose, bInA, settings);
 }
 
 /// Leaf pairs that are tested between two looks at the clock.
@@ -114,7 +111,7 @@ bool testPairs(std::span<const LeafPair> pairs, Purse& purse, LocalContactSearch
 /// too fast for that.
 float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
                const PairState& state) {
-    const bool slow = state.step <= 1 || motionBetween(a, b, state.searchPose, bInA) <= settings.slack;
+    const bool slow = state.step <= 1 || movedAtMost(settings.slack, a, b, state.searchPose, bInA, settings);
     return slow ? settings.slack : 0.0F;
 }
 
@@ -248,7 +245,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     }
     refresh(state.contacts, bInA, settings.set);
     if (state.searchHolds && settings.reuseMotion > 0 &&
-        motionBetween(a, b, state.searchPose, bInA) <= settings.reuseMotion) {
+        movedAtMost(settings.reuseMotion, a, b, state.searchPose, bInA, settings)) {
         result.collides = touches(state.contacts);
         result.refreshed = result.certain = true;
         result.stop = StopReason::certain;
@@ -270,20 +267,6 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     result.stop = complete ? StopReason::certain : StopReason::budget;
     result.work = purse.spent();
     return result;
-}
-
-float motionBound(const Pose& before, const Pose& now, float radiusOfB) {
-    const Eigen::Matrix3d first = before.rotation.cast<double>();
-    const Eigen::Matrix3d second = now.rotation.cast<double>();
-    // The difference of two rotations has two equal singular values and a zero: its spectral norm is its Frobenius norm
-    // by sqrt(2). How far each matrix is from a rotation is at most |R^T R - I|, and comes on top.
-    const double offFirst = (first.transpose() * first - Eigen::Matrix3d::Identity()).norm();
-    const double offSecond = (second.transpose() * second - Eigen::Matrix3d::Identity()).norm();
-    const double off = offFirst + offSecond;
-    const double turn = ((second - first).norm() + off) / std::sqrt(2.0) + off;
-    const double shift = (now.translation.cast<double>() - before.translation.cast<double>()).norm();
-    const double bound = turn * static_cast<double>(radiusOfB) + shift;
-    return std::nextafter(static_cast<float>(bound * (1 + 1e-12)), INFINITY);
 }
 
 }  // namespace grapeshot

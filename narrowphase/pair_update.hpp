@@ -60,8 +60,4 @@ struct PairResult {
 PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget budget,
                   PairState& state);
 
-/// How far any point of B (radius about its frame's origin) can have moved against A between two relative poses, m.
-/// Rigorous.
-[[nodiscard]] float motionBound(const Pose& before, const Pose& now, float radiusOfB);
-
 }  // namespace grapeshot

@@ -34,6 +34,14 @@ struct Fans {
     std::vector<std::uint32_t> begin, triangles;
 };
 
+// What a triangle in the middle of a flat face has none of, once its flat corners are counted out.
+constexpr unsigned flatCorners = flatCorner * 7U;
+constexpr unsigned bentEdgesOfAny = (ridgeEdge | concaveEdge | sharpEdge) * 7U;
+
+bool isPlain(std::uint16_t traits) {
+    return (traits & flatCorners) == flatCorners && (traits & bentEdgesOfAny) == 0;
+}
+
 void setBox(const Tree& tree, const LeafBlock& leaf, LeafShape& shape) {
     Vector3f lower = Vector3f::Constant(std::numeric_limits<float>::infinity());
     Vector3f upper = -lower;
@@ -84,12 +92,15 @@ void setCone(const Tree& tree, const Topology& topology, const std::vector<Vecto
 
 }  // namespace
 
-std::vector<LeafShape> leafShapes(const Tree& tree, const Topology& topology, const std::vector<Vector3f>& normals) {
+std::vector<LeafShape> leafShapes(const Tree& tree, const Topology& topology, const std::vector<Vector3f>& normals,
+                                  const std::vector<std::uint16_t>& traits) {
     const Fans fans(tree, topology);
     std::vector<LeafShape> shapes(tree.leaves.size());
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         setBox(tree, tree.leaves[i], shapes[i]);
         setCone(tree, topology, normals, fans, tree.leaves[i], shapes[i]);
+        shapes[i].plain = std::all_of(std::begin(tree.leaves[i].triangle), std::end(tree.leaves[i].triangle),
+                                      [&](std::uint32_t t) { return t == noTriangle || isPlain(traits[t]); });
     }
     return shapes;
 }

@@ -15,7 +15,8 @@ namespace grapeshot::detail {
 /// By leaf block. The cone holds the normals of the leaf's triangles and of all that share a corner with one, so that
 /// it holds the directions in which any of the leaf's corners, edges and faces can be touched, with some to spare.
 [[nodiscard]] std::vector<LeafShape> leafShapes(const Tree& tree, const Topology& topology,
-                                                const std::vector<Eigen::Vector3f>& triangleNormals);
+                                                const std::vector<Eigen::Vector3f>& triangleNormals,
+                                                const std::vector<std::uint16_t>& traits);
 
 /// Can a corner, edge or face of A's leaf touch one of B's? Both axes in one frame. Sheets have two sides.
 [[nodiscard]] inline bool faceEachOther(const LeafShape& a, const LeafShape& b, bool twoSided) {

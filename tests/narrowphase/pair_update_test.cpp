@@ -343,32 +343,5 @@ TEST(PairUpdate, ASolidInsideASolidCollidesASurfaceDoesNot) {
     }
 }
 
-TEST(MotionBound, HoldsForEveryPointAndIsTight) {
-    Random random(5);
-    double tightest = 1e9, loosest = 0;
-    for (int trial = 0; trial < 500; ++trial) {
-        const Pose before{random.rotation(), random.direction()};
-        const float angle = static_cast<float>(std::pow(10, random.uniform(-4, 0.4)));
-        const Pose now{(Eigen::AngleAxisf(angle, random.direction()).toRotationMatrix() * before.rotation).eval(),
-                       before.translation + static_cast<float>(random.uniform(0, 0.1)) * random.direction()};
-        const float radius = static_cast<float>(random.uniform(0.1, 3));
-        const float bound = motionBound(before, now, radius);
-        double farthest = 0;
-        for (int sample = 0; sample < 400; ++sample) {
-            const Eigen::Vector3d point = static_cast<double>(radius) * random.direction().cast<double>().normalized();
-            const Eigen::Vector3d moved = (now.rotation.cast<double>() - before.rotation.cast<double>()) * point +
-                                          (now.translation - before.translation).cast<double>();
-            farthest = std::max(farthest, moved.norm());
-        }
-        EXPECT_GE(static_cast<double>(bound), farthest);
-        tightest = std::min(tightest, static_cast<double>(bound) / farthest);
-        loosest = std::max(loosest, static_cast<double>(bound) / farthest);
-    }
-    EXPECT_LT(tightest, 1.05);
-    EXPECT_LT(loosest, 1.6);
-    const Pose pose{random.rotation(), random.direction()};
-    EXPECT_LT(motionBound(pose, pose, 1), 1e-5F);
-}
-
 }  // namespace
 }  // namespace grapeshot
