@@ -40,8 +40,9 @@ struct Settings {
     /// small: contacts lose their impulses while bodies slide; too large: points pile up.
     float mergeDistance = 0.02F;
     /// While two bodies have moved against each other by less than this share of the pair's size, the trees are not
-    /// traversed anew: >= 0, at most 1. The contacts are the same. Larger: fewer traversals, more triangle tests.
-    float slack = 0.02F;
+    /// traversed anew: >= 0, at most 1. The contacts are the same. Larger: fewer traversals, more triangle tests. Of
+    /// use where it is more than what `reuse` lets them move.
+    float slack = 0.01F;
     /// While two meshes have moved against each other by less than this share of the contact breaking threshold since
     /// their contacts were last searched for, the known ones are only brought up to date: 0..0.9. What comes nearer
     /// meanwhile is found before it touches. Larger: bodies that hardly move cost less; smaller: contacts follow

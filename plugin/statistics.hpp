@@ -24,8 +24,9 @@ struct PairStatistics {
     int manifolds = 0;                           ///< non-empty ones
     std::uint32_t droppedRegions = 0;            ///< beyond Settings::maxManifolds
     float deepest = 0;                           ///< largest penetration, margins included, m; 0 if none
-    bool certain = false;                        ///< nothing within the distance was left out
+    bool certain = false;                        ///< nothing within the distance (refreshed: that touches) was left out
     bool traversed = false;                      ///< the trees were traversed, candidates collected anew
+    bool refreshed = false;                      ///< known contacts were brought up to date, see Settings::reuse
     StopReason stop = StopReason::invalidInput;  ///< invalidInput: refused, no contacts
 };
 
@@ -44,6 +45,7 @@ struct StepStatistics {
     std::uint64_t droppedRegions = 0;
     float deepest = 0;                  ///< m
     int traversals = 0;                 ///< pairs whose trees were traversed
+    int refreshed = 0;                  ///< pairs that had moved too little to be searched
     int uncertain = 0;                  ///< pairs ended by their budget
     int refused = 0;                    ///< pairs without an answer: unusable mesh, pose that is not rigid or no number
     std::string lastRefusal;            ///< why, in words; kept from the last step that had one

@@ -171,9 +171,9 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
 }
 
 /// Fills `forward`; corners that may be nearest to the edges of the face's triangle, in the wedge between its two
-/// faces.
-template <class Beyond>
-HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const Slack& slack, const Beyond& beyond,
+/// faces. `across(e)`: normal of the other face at the edge.
+template <class Across>
+HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const Slack& slack, const Across& across,
                             CornersOverFace& over, std::uint32_t (&out)[3][3]) {
     const Float16 squaredReach = slack.reach * slack.reach;
     for (int c = 0; c < 3; ++c) {
@@ -186,7 +186,8 @@ HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const
                                 (over.forward[c][e] >= -ends) & (over.forward[c][e] <= face.length[e] + ends);
             out[c][e] &= bits(near);
             if (out[c][e] != 0U) {
-                out[c][e] &= bits(dot(beyond(e), from) >= -slack.lateral);
+                const Vector16 beyond = cross(across(e), face.along[e]);  // out of the other face
+                out[c][e] &= bits(dot(beyond, from) >= -slack.lateral);
             }
         }
     }
@@ -329,9 +330,9 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     }
 
     beforeEdges(
-        a, b, slack, [&](int e) HWY_ATTR { return spreadRows(leafA.beyond[e]); }, overA, out.cornerBEdgeA);
+        a, b, slack, [&](int e) HWY_ATTR { return spreadRows(leafA.across[e]); }, overA, out.cornerBEdgeA);
     beforeEdges(
-        b, a, slack, [&](int e) HWY_ATTR { return repeatRows(leafB.beyond[e]); }, overB, out.cornerAEdgeB);
+        b, a, slack, [&](int e) HWY_ATTR { return repeatRows(leafB.across[e]); }, overB, out.cornerAEdgeB);
     // Edges that touch within rounding may lean by more: no direction is known of them.
     const Float16 gapBetween = max(max(lowA, lowB), wide(0));
     const Float16 exactLean =

@@ -142,7 +142,6 @@ void LeafPlacer::fillRows(std::uint32_t leaf, LeafRows& rows) const {
         store(length, rows.length[i]);
         store(along, rows.along[i]);
         store(cross(along, normal), rows.outward[i]);
-        store(cross(load(rows.across[i]), along), rows.beyond[i]);
     }
 }
 

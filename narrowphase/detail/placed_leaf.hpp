@@ -17,7 +17,6 @@ struct alignas(64) LeafRows {
     float corner[3][3][4];   ///< [corner][axis][lane], m
     float along[3][3][4];    ///< unit, [edge]; zero if the edge is a point
     float outward[3][3][4];  ///< unit, in the triangle's plane, out of it across the edge
-    float beyond[3][3][4];   ///< the same of the triangle across; zero without one
     float across[3][3][4];   ///< unit normal of the triangle across; zero without one
     float normal[3][4];      ///< unit, or zero
     float upward[3][3][4];   ///< vertex normals, [corner]; zero where unknown

@@ -147,7 +147,7 @@ std::uint64_t Context::enterStep(std::uint64_t lastStep) {
     if (s.step == 0 || lastStep == s.step) {
         ++s.step;
         s.work = s.candidates = s.droppedRegions = 0;
-        s.contacts = s.speculative = s.manifolds = s.traversals = s.uncertain = s.refused = 0;
+        s.contacts = s.speculative = s.manifolds = s.traversals = s.refreshed = s.uncertain = s.refused = 0;
         s.deepest = 0;
         s.pairs.clear();
     }
@@ -163,6 +163,7 @@ void Context::record(const PairStatistics& pair) {
     s.speculative += pair.speculative;
     s.manifolds += pair.manifolds;
     s.traversals += pair.traversed ? 1 : 0;
+    s.refreshed += pair.refreshed ? 1 : 0;
     s.uncertain += pair.stop == StopReason::budget ? 1 : 0;
     s.deepest = std::max(s.deepest, pair.deepest);
     s.pairs.push_back(pair);

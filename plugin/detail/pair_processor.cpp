@@ -193,6 +193,7 @@ void PairProcessor::solve(const Bodies& bodies, const PairShapes& shapes, const 
     pair.work = found.work;
     pair.candidates = found.candidates;
     pair.traversed = found.traversed;
+    pair.refreshed = found.refreshed;
     pair.certain = found.certain;
     pair.stop = found.stop;
     pair.droppedRegions = m_contacts.now().droppedRegions;

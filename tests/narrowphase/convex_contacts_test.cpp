@@ -53,8 +53,8 @@ Vector3f inflatedPoint(const MeshModel& model, test::Random& random, float margi
     return x;
 }
 
-/// What holds for every contact: unit normal, points on a line along it, onA on the mesh (in the middle of a cut, if that
-/// is where a contact may come from: half the depth off).
+/// What holds for every contact: unit normal, points on a line along it, onA on the mesh (in the middle of a cut, if
+/// that is where a contact may come from: half the depth off).
 void expectConsistent(const Body& body, const Contacts& contacts, const std::string& where, bool orCut = false) {
     for (const SurfaceContact& contact : contacts) {
         EXPECT_NEAR(contact.normal.norm(), 1, 1e-5F) << where << testing::PrintToString(contact);

@@ -60,8 +60,7 @@ PairSettings coarse() {
 }
 
 /// A body rolls, slides and rocks on another.
-Pose onPath(int i, float height) {
-    const auto t = static_cast<float>(i);
+Pose onPath(float t, float height) {
     return posed({0.004F * t, height + 0.02F * std::sin(0.13F * t), 0.05F * std::sin(0.05F * t)},
                  Eigen::AngleAxisf(0.02F * t, Vector3f(0.3F * std::sin(0.01F * t), 1, 0.2F).normalized()));
 }
@@ -112,7 +111,7 @@ TEST(PairUpdate, KeptCandidatesGiveTheSameBytesAsAFreshTraversal) {
         std::size_t traversals = 0, contacts = 0;
         const int steps = static_cast<int>(test::sampleSize(100, 1000));
         for (int i = 0; i < steps; ++i) {
-            const Pose pose = onPath(i, pair.height);
+            const Pose pose = onPath(static_cast<float>(i), pair.height);
             const PairResult one = update(pair.a, pair.b, pose, fresh, {}, freshState);
             const PairResult other = update(pair.a, pair.b, pose, kept, {}, keptState);
             ASSERT_TRUE(sameContacts(freshState, keptState)) << "step " << i;
@@ -134,7 +133,7 @@ TEST(PairUpdate, SameBytesTwiceAndFromACopy) {
         const PairSettings settings;
         PairState first, second, copy;
         for (int i = 0; i < 60; ++i) {
-            update(pair.a, pair.b, onPath(i, pair.height), settings, {}, first);
+            update(pair.a, pair.b, onPath(static_cast<float>(i), pair.height), settings, {}, first);
         }
         for (int i = 0; i < 60; ++i) {
             if (i == 31) {
@@ -143,10 +142,10 @@ TEST(PairUpdate, SameBytesTwiceAndFromACopy) {
             // Other pairs between, on the same thread.
             PairState other;
             update(pair.b, pair.a, inverse(onPath(2 * i, pair.height)), settings, {}, other);
-            update(pair.a, pair.b, onPath(i, pair.height), settings, {}, second);
+            update(pair.a, pair.b, onPath(static_cast<float>(i), pair.height), settings, {}, second);
         }
         for (int i = 31; i < 60; ++i) {
-            update(pair.a, pair.b, onPath(i, pair.height), settings, {}, copy);
+            update(pair.a, pair.b, onPath(static_cast<float>(i), pair.height), settings, {}, copy);
         }
         EXPECT_FALSE(pointsOf(first).empty());
         EXPECT_TRUE(sameContacts(first, second));
@@ -341,6 +340,70 @@ TEST(PairUpdate, ASolidInsideASolidCollidesASurfaceDoesNot) {
         EXPECT_EQ(pointsOf(there).size(), interior == Interior::solid ? 1U : 0U);
         EXPECT_EQ(pointsOf(back).size(), interior == Interior::solid ? 1U : 0U);
     }
+}
+
+float deepest(const PairState& state) {
+    float depth = -std::numeric_limits<float>::max();
+    for (const PersistentPoint& point : pointsOf(state)) {
+        depth = std::max(depth, -point.signedDistance);
+    }
+    return depth;
+}
+
+TEST(PairUpdate, WhatIsReusedIsNeverLateAndNeverFarOff) {
+    int refreshed = 0;
+    int searched = 0;
+    int touching = 0;
+    for (const Pair& pair : pairs()) {
+        SCOPED_TRACE(pair.name);
+        PairSettings exact = coarse();
+        PairSettings reusing = exact;
+        reusing.reuseMotion = 0.01F;
+        PairState truth;
+        PairState state;
+        std::uint64_t work = 0;
+        std::uint64_t exactWork = 0;
+        for (int i = 0; i < 600; ++i) {
+            const Pose pose = onPath(0.05F * static_cast<float>(i), pair.height);
+            const PairResult full = update(pair.a, pair.b, pose, exact, {}, truth);
+            const PairResult result = update(pair.a, pair.b, pose, reusing, {}, state);
+            work += result.work;
+            exactWork += full.work;
+            EXPECT_TRUE(result.certain);
+            (result.refreshed ? refreshed : searched) += 1;
+            if (result.refreshed) {
+                EXPECT_EQ(result.work, 0U);
+            }
+            if (full.deepContacts == 0 && deepest(truth) > reusing.reuseMotion - reusing.maxDistance) {
+                ++touching;
+                EXPECT_NEAR(deepest(state), deepest(truth), reusing.reuseMotion) << "step " << i;
+            }
+        }
+        EXPECT_LT(work, exactWork);
+    }
+    EXPECT_GT(refreshed, 500);
+    EXPECT_GT(searched, 100);
+    EXPECT_GT(touching, 500);
+}
+
+TEST(PairUpdate, NothingIsReusedWhereSurfacesCutOrTheBudgetEnded) {
+    const MeshModel ball = modelOf(scenes::bumpySphere(0.5F, 0.1F, 5, 8));
+    PairSettings settings;
+    settings.reuseMotion = 0.02F;
+    PairState cutting;
+    const Pose deep = posed({0.7F, 0, 0});
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_FALSE(update(ball, ball, deep, settings, {}, cutting).refreshed);
+    }
+    PairState starved;
+    const Pose apart = posed({1.03F, 0, 0});
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_FALSE(update(ball, ball, apart, settings, {.work = 2}, starved).refreshed);
+    }
+    EXPECT_FALSE(update(ball, ball, apart, settings, {}, starved).refreshed);
+    EXPECT_TRUE(update(ball, ball, apart, settings, {}, starved).refreshed);
+    settings.reuseMotion = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(update(ball, ball, apart, settings, {}, starved).stop, StopReason::invalidInput);
 }
 
 }  // namespace
