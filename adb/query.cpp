@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <grapeshot/adb/detail/descent.hpp>
+#include <grapeshot/adb/detail/lane_contact.hpp>
 #include <grapeshot/adb/detail/pair_queue.hpp>
 #include <grapeshot/adb/detail/spending.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
@@ -244,14 +245,7 @@ void Query::State::append(const LeafBlock& blockA, const LeafBlock& blockB, Cont
             !(batch.signedDistance[lane] <= maxDistance)) {
             continue;
         }
-        TriangleContact& contact = out.pairs.emplace_back();
-        contact.pair = pair;
-        contact.onA = {batch.onA[0][lane], batch.onA[1][lane], batch.onA[2][lane]};
-        contact.onB = {batch.onB[0][lane], batch.onB[1][lane], batch.onB[2][lane]};
-        contact.signedDistance = batch.signedDistance[lane];
-        contact.featureA = static_cast<std::uint8_t>(batch.featureA[lane]);
-        contact.featureB = static_cast<std::uint8_t>(batch.featureB[lane]);
-        contact.overlapping = (batch.overlapping >> lane & 1U) != 0U;
+        out.pairs.push_back(detail::laneContact(batch, lane, pair));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <utility>
 
+#include <grapeshot/adb/detail/lane_contact.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 #include <grapeshot/narrowphase/detail/contact_collector.hpp>
 #include <grapeshot/narrowphase/detail/feature_contacts.hpp>
@@ -129,17 +130,9 @@ void LocalContactSearch::State::addOverlapping(const LeafPair& pair) {
     for (std::uint32_t rest = batch.overlapping; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
         const TrianglePair triangles{blockA.triangle[lane >> 2U], blockB.triangle[lane & 3U]};
-        if (triangles.triangleA == noTriangle || triangles.triangleB == noTriangle) {
-            continue;
+        if (triangles.triangleA != noTriangle && triangles.triangleB != noTriangle) {
+            overlapping.push_back(detail::laneContact(batch, lane, triangles));
         }
-        TriangleContact& contact = overlapping.emplace_back();
-        contact.pair = triangles;
-        contact.onA = {batch.onA[0][lane], batch.onA[1][lane], batch.onA[2][lane]};
-        contact.onB = {batch.onB[0][lane], batch.onB[1][lane], batch.onB[2][lane]};
-        contact.signedDistance = batch.signedDistance[lane];
-        contact.featureA = static_cast<std::uint8_t>(batch.featureA[lane]);
-        contact.featureB = static_cast<std::uint8_t>(batch.featureB[lane]);
-        contact.overlapping = true;
     }
 }
 
