@@ -7,6 +7,7 @@
 #include <grapeshot/core/detail/wide_targets.hpp>
 
 #undef HWY_TARGET_INCLUDE
+// NOLINTNEXTLINE(bugprone-macro-parentheses)
 #define HWY_TARGET_INCLUDE <grapeshot/core/triangle_batch.cpp>
 #include <hwy/foreach_target.h>
 
@@ -216,8 +217,8 @@ HardTriangle movedTriangleOf(const FourTriangles& leaf, int lane, const PoseNumb
         const float y = leaf[corner][1][lane];
         const float z = leaf[corner][2][lane];
         for (int axis = 0; axis < 3; ++axis) {
-            const float* row = &pose[static_cast<std::size_t>(3 * axis)];
-            const float moved = row[0] * x + row[1] * y + row[2] * z + pose[static_cast<std::size_t>(9 + axis)];
+            const float* row = pose.data() + 3 * axis;
+            const float moved = row[0] * x + row[1] * y + row[2] * z + pose.data()[9 + axis];
             triangle.corner[corner][axis] = static_cast<double>(moved);
         }
     }

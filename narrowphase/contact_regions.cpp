@@ -69,7 +69,11 @@ void groupRegions(std::span<const SurfaceContact> contacts, const RegionSettings
         PointGrid grid;
     };
     thread_local Scratch scratch;
-    auto& [order, rank, grouped, open, grid] = scratch;
+    std::vector<Ranked>& order = scratch.order;
+    std::vector<std::uint32_t>& rank = scratch.rank;
+    std::vector<char>& grouped = scratch.grouped;
+    std::vector<std::uint32_t>& open = scratch.open;
+    PointGrid& grid = scratch.grid;
 
     out.members.clear();
     out.begin.assign(1, 0);

@@ -377,7 +377,8 @@ void admit(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings
 
 }  // namespace
 
-void refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings) {
+bool refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings) {
+    bool allStayed = true;
     for (RegionSlot& slot : set.slots) {
         int count = 0;
         for (int i = 0; i < slot.count; ++i) {
@@ -393,11 +394,13 @@ void refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settin
             }
         }
         std::fill(slot.points.begin() + count, slot.points.end(), PersistentPoint{});
+        allStayed = allStayed && slot.count == count;
         slot.count = count;
         if (slot.id != 0) {
             summarise(slot, bInA);
         }
     }
+    return allStayed;
 }
 
 void merge(ContactSet& set, std::span<const SurfaceContact> contacts, const Pose& bInA, bool complete,

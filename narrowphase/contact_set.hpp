@@ -55,8 +55,8 @@ struct ContactSet {
 };
 
 /// Re-evaluates the kept points in the new pose; drops those that opened beyond maxDistance or slid sideways by more
-/// than mergeDistance.
-void refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings);
+/// than mergeDistance. True if none was dropped.
+bool refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings);
 
 /// Groups the step's contacts, gives each region the slot it had (by normal and place), reduces each to four points:
 /// deepest, then the widest spread, preferring points already there. `complete`: the contacts are all there are, so

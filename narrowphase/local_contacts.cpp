@@ -35,6 +35,7 @@ struct LocalContactSearch::State {
     LocalContactSettings settings;
     Eigen::Matrix3f turn;   // absolute entries of the rotation
     float boxRounding = 0;  // what rounding, and a rotation that is only nearly one, can take from a gap of boxes, m
+    NormalCone moreSpread;  // what a lean beyond the usual adds to the cones of leaves
     detail::FeatureLimits limits;
     detail::MeshSide sideA, sideB;
     detail::LeafPlacer placerA, placerB;
@@ -58,6 +59,7 @@ void LocalContactSearch::start(const MeshModel& a, const MeshModel& b, const Pos
     s.turn = bInA.rotation.cwiseAbs();
     s.boxRounding = 4e-6F * (a.tree.radius + b.tree.radius + bInA.translation.norm());
     const float rounding = roundingOf(a, b, bInA);
+    s.moreSpread = detail::moreSpread(settings.lean);
     s.limits = {settings.maxDistance, rounding, settings.lean, a.solid, b.solid, false, false};
     s.sideA = detail::MeshSide(a, nullptr);
     s.sideB = detail::MeshSide(b, &s.bInA);
@@ -91,7 +93,8 @@ std::size_t LocalContactSearch::add(std::span<const LeafPair> pairs, std::uint64
             continue;
         }
         const bool boxesOverlap = std::max(apartInA.maxCoeff(), apartInB.maxCoeff()) <= s.boxRounding;
-        const bool facing = !(leafA.plain && leafB.plain) && detail::faceEachOther(leafA, leafB, twoSided);
+        const bool facing =
+            !(leafA.plain && leafB.plain) && detail::faceEachOther(leafA, leafB, s.moreSpread, twoSided);
         if (!facing && !boxesOverlap) {
             continue;
         }
@@ -142,7 +145,11 @@ void LocalContactSearch::State::testFeatures(const FeatureMasks& masks, const Le
     const auto each = [&](std::uint32_t mask, auto&& visit) {
         for (; mask != 0; mask &= mask - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(mask));
-            visit(trianglesA[lane >> 2U], trianglesB[lane & 3U]);
+            const PlacedTriangle& ta = trianglesA[lane >> 2U];
+            const PlacedTriangle& tb = trianglesB[lane & 3U];
+            if (features.canTouch(ta, tb)) {
+                visit(ta, tb);
+            }
         }
     };
     using Placed = const PlacedTriangle&;

@@ -1,52 +1,17 @@
 #include <grapeshot/narrowphase/pair_update.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <optional>
 
+#include <grapeshot/narrowphase/detail/purse.hpp>
 #include <grapeshot/narrowphase/penetration.hpp>
 #include <grapeshot/narrowphase/relative_motion.hpp>
 
 namespace grapeshot {
 namespace {
 
-/// What is left of a budget that several parts share.
-class Purse {
-  public:
-    explicit Purse(const Budget& budget) : m_budget(budget) {
-        if (m_budget.time != never) {
-            m_start = now();
-        }
-    }
-    void pay(std::uint64_t work) { m_spent += work; }
-    [[nodiscard]] std::uint64_t spent() const { return m_spent; }
-    [[nodiscard]] bool isUnlimited() const { return m_budget.work == unlimited && m_budget.time == never; }
-    [[nodiscard]] Budget left() const {
-        Budget rest = m_budget;
-        if (rest.work != unlimited) {
-            rest.work -= std::min(rest.work, m_spent);
-        }
-        if (rest.time != never) {
-            rest.time = std::max(std::chrono::nanoseconds(0), rest.time - (now() - m_start));
-        }
-        return rest;
-    }
-    [[nodiscard]] bool isEmpty() const {
-        const Budget rest = left();
-        return rest.work == 0 || rest.time <= std::chrono::nanoseconds(0);
-    }
-
-  private:
-    [[nodiscard]] std::chrono::nanoseconds now() const {
-        return m_budget.clock != nullptr ? m_budget.clock()
-                                         : std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                               std::chrono::steady_clock::now().time_since_epoch());
-    }
-    Budget m_budget;
-    std::chrono::nanoseconds m_start{0};
-    std::uint64_t m_spent = 0;
-};
+using detail::Purse;
+using detail::testPairs;
 
 struct Scratch {
     LeafPairs leafPairs;
@@ -86,25 +51,6 @@ bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const Pa
         return false;
     }
     return movedAtMost(state.candidateDistance - settings.maxDistance, a, b, state.candidatePose, bInA, settings);
-}
-
-/// Leaf pairs that are tested between two looks at the clock.
-constexpr std::size_t pairsPerLook = 32;
-
-/// True if all were tested.
-bool testPairs(std::span<const LeafPair> pairs, Purse& purse, LocalContactSearch& search) {
-    const bool timed = purse.left().time != never;
-    while (!pairs.empty()) {
-        const std::uint64_t before = search.work();
-        const auto some = timed ? pairs.first(std::min(pairs.size(), pairsPerLook)) : pairs;
-        const std::size_t done = search.add(some, purse.left().work);
-        purse.pay(search.work() - before);
-        pairs = pairs.subspan(done);
-        if (done < some.size() || (!pairs.empty() && purse.isEmpty())) {
-            return false;
-        }
-    }
-    return true;
 }
 
 /// How far beyond maxDistance leaf pairs are collected, so that the list can be used again: nothing if the bodies move
@@ -243,8 +189,8 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         state.searchHolds = false;
         return result;
     }
-    refresh(state.contacts, bInA, settings.set);
-    if (state.searchHolds && settings.reuseMotion > 0 &&
+    const bool allStayed = refresh(state.contacts, bInA, settings.set);
+    if (state.searchHolds && allStayed && settings.reuseMotion > 0 && settings.maxDistance <= state.searchDistance &&
         movedAtMost(settings.reuseMotion, a, b, state.searchPose, bInA, settings)) {
         result.collides = touches(state.contacts);
         result.refreshed = result.certain = true;
@@ -253,6 +199,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     }
     Scratch& s = threadScratch();
     Purse purse(budget);
+    state.searchHolds = false;  // should something be thrown
     const bool complete = searchPairs(a, b, bInA, settings, purse, state, result, s);
     findContacts(a, b, bInA, settings, complete, result, s);
     merge(state.contacts, s.found, bInA, complete, settings.set);
@@ -262,6 +209,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         result.collides = result.collides || touches(state.contacts);
     }
     state.searchPose = bInA;
+    state.searchDistance = settings.maxDistance;
     state.searchHolds = complete && result.deepContacts == 0 && s.search.overlapping().empty();
     result.certain = complete;
     result.stop = complete ? StopReason::certain : StopReason::budget;

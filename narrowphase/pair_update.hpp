@@ -31,14 +31,17 @@ struct PairSettings {
 };
 
 /// All that a pair remembers between steps; a value (copy it to save, assign it to restore: the following steps give
-/// the same bytes). Candidate leaves refer to the two models it was made with.
+/// the same bytes). Candidates and search refer to the two models it was made with.
 struct PairState {
     ContactSet contacts;
     std::vector<LeafPair> candidates;  ///< leaf pairs within candidateDistance in candidatePose, sorted
     Pose candidatePose;
     float candidateDistance = -1;  ///< m; negative: none kept
     Pose searchPose;               ///< of the last search
-    bool searchHolds = false;      ///< it was complete, and its contacts may be refreshed
+    float searchDistance = 0;      ///< its maxDistance, m
+    /// It was complete, and its contacts may be refreshed. Set to false if a model's vertices moved, or if other
+    /// settings than maxDistance are to take effect at once.
+    bool searchHolds = false;
     std::uint64_t step = 0;
 };
 
@@ -47,7 +50,7 @@ struct PairResult {
     bool certain = false;   ///< nothing within maxDistance (if refreshed: less reuseMotion) was left out
     StopReason stop = StopReason::invalidInput;
     std::uint64_t work = 0;
-    std::uint32_t candidates = 0;    ///< leaf pairs tested
+    std::uint32_t candidates = 0;    ///< leaf pairs tested; under a budget some twice
     bool traversed = false;          ///< the candidates were collected anew
     bool refreshed = false;          ///< only refreshed, not searched
     std::uint32_t rawContacts = 0;   ///< before regions and reduction

@@ -25,6 +25,7 @@ Status registerAlgorithms(btCollisionDispatcher* dispatcher, const Settings& set
             Contexts::instance().insert(dispatcher, context);
         }
         context->settings = settings;
+        ++context->settingsVersion;
         context->install(*dispatcher);
         return Status::ok;
     } catch (...) {

@@ -212,7 +212,8 @@ class Sorter {
     /// Leaves are tested four triangles at a time, so a part-filled one costs as much as a full one.
     [[nodiscard]] double cost(const Box& box, std::size_t count) const {
         const auto leaf = static_cast<std::size_t>(m_settings.maxLeafTriangles);
-        return box.reach() * static_cast<double>((count + leaf - 1) / leaf);
+        const std::size_t leaves = (count + leaf - 1) / leaf;
+        return box.reach() * static_cast<double>(leaves);
     }
 
     const Tree& m_tree;

@@ -6,6 +6,7 @@
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 #include <grapeshot/core/detail/wide_targets.hpp>
 #undef HWY_TARGET_INCLUDE
+// NOLINTNEXTLINE(bugprone-macro-parentheses)
 #define HWY_TARGET_INCLUDE <grapeshot/adb/detail/descent.cpp>
 #include <hwy/foreach_target.h>
 

@@ -13,7 +13,7 @@ struct HardTriangle {
 
 /// The closed triangles share a point. Wrong only where gap or depth is below about 1e-12 of the extent; two triangles
 /// that are both degenerate overlap if they are closer than 1e-9 of it.
-[[nodiscard]] bool hardOverlap(const HardTriangle& a, const HardTriangle& b) noexcept;
+[[nodiscard]] bool hardOverlap(const HardTriangle& first, const HardTriangle& second) noexcept;
 
 /// What `signedDistances` says of an overlapping pair.
 struct HardDepth {
@@ -24,6 +24,6 @@ struct HardDepth {
 };
 
 /// Only for pairs that overlap.
-[[nodiscard]] HardDepth hardDepth(const HardTriangle& a, const HardTriangle& b) noexcept;
+[[nodiscard]] HardDepth hardDepth(const HardTriangle& first, const HardTriangle& second) noexcept;
 
 }  // namespace grapeshot::detail

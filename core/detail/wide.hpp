@@ -67,6 +67,7 @@ struct Mask16 {
     LanesMask part[4];
 };
 
+// Named as in Highway. NOLINTBEGIN(readability-identifier-naming)
 namespace one {
 HWY_INLINE Lanes Add(Lanes a, Lanes b) {
     return a + b;
@@ -129,6 +130,7 @@ HWY_INLINE Lanes IfThenElse(LanesMask mask, Lanes yes, Lanes no) {
     return mask ? yes : no;
 }
 }  // namespace one
+// NOLINTEND(readability-identifier-naming)
 
 #define GRAPESHOT_WIDE_1(Result, function, A, operation)                                                   \
     HWY_INLINE Result function(A a) {                                                                      \

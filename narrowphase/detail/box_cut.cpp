@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include <grapeshot/adb/query.hpp>
 #include <grapeshot/narrowphase/contact_set.hpp>
@@ -48,10 +49,10 @@ const MeshModel& cachedModel(const Vector3f& half) {
     if (known != entries.end()) {
         return *known->model;
     }
+    MeshModel made = boxModel(half);
     Entry& entry = entries[oldest];
     oldest = (oldest + 1) % entries.size();
-    entry.half = half;
-    entry.model = boxModel(half);
+    entry = {half, std::move(made)};
     return *entry.model;
 }
 

@@ -2,6 +2,7 @@
 
 #include <grapeshot/core/detail/wide_targets.hpp>
 #undef HWY_TARGET_INCLUDE
+// NOLINTNEXTLINE(bugprone-macro-parentheses)
 #define HWY_TARGET_INCLUDE <grapeshot/narrowphase/detail/feature_filter.cpp>
 #include <hwy/foreach_target.h>
 
@@ -151,20 +152,21 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
                     ((-climbNext >= leastNext) & (-climbPrevious >= leastPrevious) & (-over.height[c] <= slack.reach));
             behind = behind | (over.height[c] > zero);
         }
-        // The face is within the cone of directions that the corner can be touched in.
+        // The face is within the cone of directions that the corner can be touched in. (The way out to a gap beside it
+        // is another direction.)
         const Float16 facing = -dot(cones.upward[c], face.normal);
-        rises = rises & ((solidFace && solidOther ? facing : abs(facing)) >= cones.cosine[c] - wide(1e-4F));
+        const Mask16 inCone = (solidFace && solidOther ? facing : abs(facing)) >= cones.cosine[c] - wide(1e-4F);
         out[c] &= bits(rises);
         if (out[c] == 0U) {
             continue;
         }
         std::uint32_t beside = 0;
-        Mask16 inside = allLanes();
+        Mask16 inside = inCone;
         for (int e = 0; e < 3; ++e) {
             const Float16 tolerated = slack.length + face.length[e] * wide(2e-5F) + abs(over.height[c]) * wide(2e-3F);
             const Mask16 within = over.beyond[c][e] <= tolerated;
             inside = inside & within;
-            beside |= ~bits(within) & gap[e];
+            beside |= bits(over.beyond[c][e] >= -tolerated) & gap[e];
         }
         out[c] &= bits(inside) | (beside & bits(behind));
     }
@@ -176,14 +178,18 @@ template <class Across>
 HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const Slack& slack, const Across& across,
                             CornersOverFace& over, std::uint32_t (&out)[3][3]) {
     const Float16 squaredReach = slack.reach * slack.reach;
+    Float16 ends[3];
+    for (int e = 0; e < 3; ++e) {  // rounding turns a short edge's direction
+        ends[e] = slack.length + face.length[e] * wide(1e-5F) +
+                  slack.length * slack.reach / max(face.length[e], wide(1e-30F));
+    }
     for (int c = 0; c < 3; ++c) {
         for (int e = 0; e < 3; ++e) {
             const Vector16 from = other.corner[c] - face.corner[e];
             over.forward[c][e] = dot(face.along[e], from);
             const Float16 square = over.height[c] * over.height[c] + over.beyond[c][e] * over.beyond[c][e];
-            const Float16 ends = slack.length + face.length[e] * wide(1e-5F);
             const Mask16 near = (square <= squaredReach) & (over.beyond[c][e] >= -slack.lateral) &
-                                (over.forward[c][e] >= -ends) & (over.forward[c][e] <= face.length[e] + ends);
+                                (over.forward[c][e] >= -ends[e]) & (over.forward[c][e] <= face.length[e] + ends[e]);
             out[c][e] &= bits(near);
             if (out[c][e] != 0U) {
                 const Vector16 beyond = cross(across(e), face.along[e]);  // out of the other face
@@ -201,10 +207,10 @@ HWY_INLINE Mask16 meet(const Outline16& a, int i, const Outline16& b, int j, Mas
     const Vector16 offset = b.corner[j] - a.corner[i];
     const Float16 gap = dot(offset, common);
     // Both times the squared sine. Parallel faces lend their normal, which may differ by 0.02 rad from the common one
-    // and moves the crossing by that much of the gap.
+    // and moves the crossing by that much of the gap (which is here times the sine).
     const Float16 alongA = dot(cross(offset, b.along[j]), common);
     const Float16 alongB = dot(cross(offset, a.along[i]), common);
-    const Float16 off = squaredSine * (slack.length * wide(50.0F)) + abs(gap) * wide(0.03F);
+    const Float16 off = squaredSine * (slack.length * wide(50.0F)) + abs(gap) * wide(0.03F) / sqrt(squaredSine);
     const Float16 longA = a.length[i] * squaredSine;
     const Float16 longB = b.length[j] * squaredSine;
     const Float16 offA = off + longA * wide(1e-4F);
@@ -364,14 +370,9 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-static void filterByKernel(const LeafRows& a, const LeafRows& b, const FeatureLimits& limits,
-                           FeatureMasks& out) noexcept {
+void filterFeatures(const LeafRows& a, const LeafRows& b, const FeatureLimits& limits, FeatureMasks& out) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(featureKernel);
     kernel.chosen()(a, b, limits, out);
-}
-
-void filterFeatures(const LeafRows& a, const LeafRows& b, const FeatureLimits& limits, FeatureMasks& out) noexcept {
-    filterByKernel(a, b, limits, out);
 }
 
 }  // namespace grapeshot::detail

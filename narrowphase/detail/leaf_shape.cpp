@@ -9,10 +9,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Added to each leaf's spread, rad: twice the default lean of contacts by two sides, and what a corner's supporting
-// directions can stick out of the cone of its faces' normals.
-constexpr float spare = 0.2F;
-
 /// Triangles at each welded vertex, in compressed rows.
 struct Fans {
     Fans(const Tree& tree, const Topology& topology) : begin(tree.vertices.size() + 1, 0) {
@@ -83,7 +79,7 @@ void setCone(const Tree& tree, const Topology& topology, const std::vector<Vecto
             }
         }
     }
-    const float spread = std::acos(std::clamp(cosine, -1.0F, 1.0F)) + spare;
+    const float spread = std::acos(std::clamp(cosine, -1.0F, 1.0F)) + leafSpare;
     if (spread < std::numbers::pi_v<float>) {
         shape.cosSpread = std::cos(spread);
         shape.sinSpread = std::sin(spread);

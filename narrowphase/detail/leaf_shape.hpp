@@ -6,8 +6,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include <grapeshot/narrowphase/detail/extremum.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 
 namespace grapeshot::detail {
@@ -18,13 +21,26 @@ namespace grapeshot::detail {
                                                 const std::vector<Eigen::Vector3f>& triangleNormals,
                                                 const std::vector<std::uint16_t>& traits);
 
+/// Added to each leaf's spread, rad: for the leans of contacts on both sides, and what a corner's supporting directions
+/// can stick out of the cone of its faces' normals.
+inline constexpr float leafSpare = 0.2F;
+
+/// What two leaves' spare lacks for a larger lean: corners need coneWidening(lean), edges lean on both sides.
+[[nodiscard]] inline NormalCone moreSpread(float lean) {
+    const float lacking = std::max(0.0F, coneWidening(lean) - 2 * leafSpare);
+    return {std::cos(lacking), std::sin(lacking)};
+}
+
 /// Can a corner, edge or face of A's leaf touch one of B's? Both axes in one frame. Sheets have two sides.
-[[nodiscard]] inline bool faceEachOther(const LeafShape& a, const LeafShape& b, bool twoSided) {
-    // cos(spreadA + spreadB); from a half turn on the sine is negative.
-    const float sine = a.sinSpread * b.cosSpread + a.cosSpread * b.sinSpread;
-    const float cosine = a.cosSpread * b.cosSpread - a.sinSpread * b.sinSpread;
+[[nodiscard]] inline bool faceEachOther(const LeafShape& a, const LeafShape& b, const NormalCone& more, bool twoSided) {
+    // Cosine and sine of the sum of the three angles; from a half turn on the sine is negative.
+    const float sineOfBoth = a.sinSpread * b.cosSpread + a.cosSpread * b.sinSpread;
+    const float cosineOfBoth = a.cosSpread * b.cosSpread - a.sinSpread * b.sinSpread;
+    const float sine = sineOfBoth * more.cosine + cosineOfBoth * more.sine;
+    const float cosine = cosineOfBoth * more.cosine - sineOfBoth * more.sine;
     const float facing = -a.axis.dot(b.axis);
-    return sine <= 0 || a.cosSpread <= -1 || b.cosSpread <= -1 || facing >= cosine || (twoSided && -facing >= cosine);
+    return sineOfBoth <= 0 || sine <= 0 || a.cosSpread <= -1 || b.cosSpread <= -1 || facing >= cosine ||
+           (twoSided && -facing >= cosine);
 }
 
 }  // namespace grapeshot::detail

@@ -32,7 +32,7 @@ struct alignas(64) LeafRows {
 struct PlacedLeaf {
     LeafShape shape;  ///< the half extents stay along the axes of the leaf's own mesh
     LeafRows rows;
-    std::array<PlacedTriangle, 4> triangle;  ///< the same, one by one
+    std::array<PlacedTriangle, 4> triangle;  ///< as MeshSide::place gives them; unused lanes are stale
 };
 
 /// Places the leaves of one side as they are asked for, each part of each leaf once.

@@ -95,9 +95,11 @@ void Context::takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int fi
     if (present == emptyCreatorIn(dispatcher, table)) {
         take(dispatcher, table, first, second);
     } else if (present != creators[static_cast<std::size_t>(table)].get()) {
-        std::erase_if(cells, [&](const Cell& cell) {
-            return cell.table == table && cell.first == first && cell.second == second;
-        });
+        lostCells = std::erase_if(cells,
+                                  [&](const Cell& cell) {
+                                      return cell.table == table && cell.first == first && cell.second == second;
+                                  }) > 0 ||
+                    lostCells;
     }
 }
 
@@ -109,7 +111,7 @@ void Context::giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) cons
 }
 
 bool Context::uninstall(btCollisionDispatcher& dispatcher) {
-    const bool allHeld = heldCells(dispatcher) == cells.size();
+    const bool allHeld = heldCells(dispatcher) == cells.size() && !lostCells;
     for (const Cell& cell : cells) {
         giveBack(dispatcher, cell);
     }

@@ -54,7 +54,9 @@ struct Context : std::enable_shared_from_this<Context> {
     std::vector<Cell> cells;
     std::array<std::unique_ptr<AdbCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table
     std::unique_ptr<btCollisionAlgorithmCreateFunc> gimpact;
-    std::uint64_t serial = 0;  ///< different for each context of the process
+    bool lostCells = false;  ///< somebody took one of our places, and may have kept our creator as the one before him
+    std::uint64_t settingsVersion = 0;  ///< rises when settings are set
+    std::uint64_t serial = 0;           ///< different for each context of the process
 
   private:
     void take(btCollisionDispatcher& dispatcher, Table table, int first, int second);

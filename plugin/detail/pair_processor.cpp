@@ -39,6 +39,10 @@ void PairProcessor::process(const btCollisionObjectWrapper& body0, const btColli
         m_step = m_context->enterStep(m_step);
     }
     const bool rebound = bind(bodies);
+    if (m_settingsVersion != m_context->settingsVersion) {
+        m_settingsVersion = m_context->settingsVersion;
+        m_contacts.forgetCandidates();
+    }
     if (m_kind == PairKind::foreign) {
         m_writer.clear();
         delegate(bodies, info, result);

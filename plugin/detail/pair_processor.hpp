@@ -46,6 +46,7 @@ class PairProcessor {
     std::shared_ptr<Context> m_context;
     bool m_query;
     std::uint64_t m_step = 0;
+    std::uint64_t m_settingsVersion = 0;
 
     // What the rest was made for.
     std::array<const btCollisionShape*, 2> m_shapes{};

@@ -43,18 +43,18 @@ bool visitSample(std::size_t size, std::size_t count, std::size_t phase, Visit&&
 std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shape, ModelCache& cache, Check check,
                                                     std::uint64_t step) {
     const std::lock_guard lock(m_mutex);
-    const std::uint64_t lastLook = check == Check::sampled ? m_checkedStep : m_thoroughStep;
-    if (m_model && !m_changed && step != 0 && lastLook == step) {
+    if (m_model && !m_changed && check == Check::sampled && step != 0 && m_checkedStep == step) {
         return m_model;
     }
+    // Once a step is enough, however many pairs are new.
+    const bool thorough = check == Check::thorough && (step == 0 || m_thoroughStep != step);
     m_checkedStep = step;
-    m_thoroughStep = check == Check::thorough ? step : m_thoroughStep;
+    m_thoroughStep = thorough ? step : m_thoroughStep;
     m_found.clear();
     bool described = false;
     try {
         sourcesOf(shape, m_found);
         described = true;
-        const bool thorough = check == Check::thorough;
         const bool unchanged =
             !m_changed && m_model && m_found == m_sources &&
             (m_model->mesh ? isUnchanged(thorough ? thoroughly : sampledVertices,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include <grapeshot/narrowphase/detail/purse.hpp>
 #include <grapeshot/narrowphase/penetration.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/pair_motion.hpp>
@@ -36,8 +37,13 @@ class Sweep {
           m_motionA(motionOf(*shapes.a->getCollisionObject())),
           m_motionB(motionOf(*shapes.b->getCollisionObject())),
           m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {
-        if (shapes.modelB) {
+        // Bodies as thick as two strides overlap at some of the moments looked at. If they do already, that tells
+        // nothing.
+        if (shapes.modelB && 0.5F * task.size.thickness >= settings.maxDistance) {
             m_query.emplace(shapes.modelA->mesh->tree, shapes.modelB->mesh->tree);
+            if (hits(0)) {
+                m_query.reset();
+            }
         }
     }
 
@@ -77,20 +83,19 @@ class Sweep {
         return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
     }
 
-    /// Do the bodies overlap at that time? Of a solid: is it within maxDistance?
+    /// Do the bodies overlap at that time? If that cannot be asked: are there contacts which are none now?
     bool hits(btScalar seconds) {
+        if (!m_query) {
+            collect(seconds, m_settings.maxDistance);
+            return !m_found.empty();
+        }
         const Pose then = poseAt(seconds);
         if (!isRigid(then)) {
             return false;
         }
-        if (m_query) {
-            const Decision decision = m_query->decide(then, {}, m_task.budget);
-            m_work += decision.work;
-            return decision.certain && decision.collides;
-        }
-        m_then.clear();
-        m_work += nearContacts(m_shapes, then, m_settings.maxDistance, m_settings, m_task.budget, m_then);
-        return !m_then.empty();
+        const Decision decision = m_query->decide(then, {}, m_task.budget);
+        m_work += decision.work;
+        return decision.certain && decision.collides;
     }
 
     /// The contacts of that time within `reach` which are none now, in m_found, as they are now.
@@ -145,16 +150,19 @@ std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float rea
     const MeshModel& b = *shapes.modelB->mesh;
     thread_local LeafPairs leafPairs;
     thread_local LocalContactSearch search;
-    Query(a.tree, b.tree).leafPairs(bInA, {reach, Order::depthFirst}, budget, leafPairs);
+    detail::Purse purse(budget);
+    const Order order = purse.isUnlimited() ? Order::depthFirst : Order::bestFirst;
+    Query(a.tree, b.tree).leafPairs(bInA, {reach, order}, budget, leafPairs);
+    purse.pay(leafPairs.work);
     search.start(a, b, bInA, local);
-    search.add(leafPairs.pairs, budget.work - std::min(budget.work, leafPairs.work));
+    testPairs(leafPairs.pairs, purse, search);
     search.finish(found);
     if (!search.overlapping().empty()) {
         const float spacing = settings.set.regions.spacing;
         const std::vector<SurfaceContact> already = found;
         penetrationContacts(a, b, bInA, search.overlapping(), already, {spacing, spacing, maxPointsPerRegion}, found);
     }
-    return leafPairs.work + search.work();
+    return purse.spent();
 }
 
 std::uint64_t sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,

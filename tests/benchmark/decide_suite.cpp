@@ -10,9 +10,9 @@
 #include <grapeshot/adb/query.hpp>
 #include <support/poses.hpp>
 
+#include <report/machine.hpp>
 #include "clearance.hpp"
 #include "fcl_peer.hpp"
-#include <report/machine.hpp>
 #include "meshes.hpp"
 
 namespace grapeshot::bench {
@@ -44,8 +44,8 @@ struct Timing {
     std::vector<double> ourQueriesUs;  ///< per query, the least of the repetitions
 };
 
-/// Both on the same chunk of poses, one right after the other and taking turns in going first, so that whatever else the
-/// machine does hits both.
+/// Both on the same chunk of poses, one right after the other and taking turns in going first, so that whatever else
+/// the machine does hits both.
 Timing measure(const Tree& tree, const FclModel& model, const std::vector<Pose>& poses, int repetitions) {
     constexpr std::size_t chunk = 200;
     Timing timing;
@@ -201,7 +201,7 @@ report::Report runDecideSuite(const Options& options) {
     if (!options.quick) {
         results.claims.push_back({"poses compared", poses, true, 20'000});
         results.claims.push_back({"FCL's time / ours, geometric mean over the meshes",
-                                 std::exp(logarithms / static_cast<double>(meshes.size())), true, 15});
+                                  std::exp(logarithms / static_cast<double>(meshes.size())), true, 15});
     }
     return results;
 }

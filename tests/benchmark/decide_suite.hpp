@@ -1,8 +1,8 @@
 // Exact yes/no of two copies of a mesh, against FCL, on Zachmann's procedure.
 #pragma once
 
-#include "options.hpp"
 #include <report/report.hpp>
+#include "options.hpp"
 
 namespace grapeshot::bench {
 

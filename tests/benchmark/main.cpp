@@ -4,9 +4,9 @@
 #include <iostream>
 #include <stdexcept>
 
+#include <report/report.hpp>
 #include "decide_suite.hpp"
 #include "options.hpp"
-#include <report/report.hpp>
 #include "scene_suite.hpp"
 
 namespace {

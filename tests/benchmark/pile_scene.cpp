@@ -31,8 +31,7 @@ std::vector<Mesh> kinds(int triangles) {
     };
     return {toRadius(bumpySphere(1.0F, 0.25F, 7, cells(16), 77)),
             toRadius(torusKnot(2, 3, 1.0F, 0.4F, 0.22F, cells(180), cells(14))),
-            toRadius(gear(1.0F, 0.16F, 0.3F, 0.5F, 15, cells(2.6))),
-            toRadius(spikedBall(0.7F, 0.35F, 30, triangles)),
+            toRadius(gear(1.0F, 0.16F, 0.3F, 0.5F, 15, cells(2.6))), toRadius(spikedBall(0.7F, 0.35F, 30, triangles)),
             toRadius(cup(0.8F, 0.12F, 1.3F, cells(46), cells(17)))};
 }
 

@@ -24,9 +24,8 @@ bool mergeReplay(Run& run, const Run& replay) {
     const auto samePose = [](const scenes::PoseD& x, const scenes::PoseD& y) {
         return x.rotation == y.rotation && x.translation == y.translation;
     };
-    return std::ranges::equal(run.frames, replay.frames, [&](const Frame& x, const Frame& y) {
-        return std::ranges::equal(x, y, samePose);
-    });
+    return std::ranges::equal(run.frames, replay.frames,
+                              [&](const Frame& x, const Frame& y) { return std::ranges::equal(x, y, samePose); });
 }
 
 Depths depthsOf(const scenes::World& world, const std::vector<Frame>& frames) {

@@ -45,6 +45,6 @@ struct Depths {
 
 /// The row that every scene has: times, contacts, manifolds, bodies lost, energy.
 [[nodiscard]] report::Row summary(const std::string& scenario, const std::string& mesh, const scenes::World& world,
-                          const Run& run);
+                                  const Run& run);
 
 }  // namespace grapeshot::bench

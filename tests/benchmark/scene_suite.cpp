@@ -72,14 +72,15 @@ void runPile(const Options& options, report::Report& results) {
     report::Row& row = addRow(ours.world(), best);
     row.peer = "gimpact";
     row.ratio = ratio;
-    row.measured.insert(row.measured.end(), {{"replaySpread", report::spread(totals)}, {"replaysDiffering", differing}});
+    row.measured.insert(row.measured.end(),
+                        {{"replaySpread", report::spread(totals)}, {"replaysDiffering", differing}});
     const double depthP99 = std::ranges::find(row.measured, "depthP99", [](const auto& m) { return m.first; })->second;
 
     results.claims.push_back({"pile: bodies lost", static_cast<double>(best.steps.back().lost), false, 0});
     results.claims.push_back({"pile: p99 of true penetration / radius", depthP99, false, 0.02});
     results.claims.push_back({"pile: replays that differ in a bit", differing, false, 0});
-    results.claims.push_back({"pile: mean contacts of a step", row.work.front().second, true,
-                             static_cast<double>(settings.bodies) / 4});
+    results.claims.push_back(
+        {"pile: mean contacts of a step", row.work.front().second, true, static_cast<double>(settings.bodies) / 4});
     if (!options.quick) {
         results.claims.push_back({"pile: GImpact's narrowphase time / ours", ratio, true, 20});
     }
@@ -118,19 +119,18 @@ void runRest(test::RestScene scene, const Options& options, report::Report& resu
         }
         results.rows.push_back(row);
     }
-    results.claims.push_back(
-        {label + ": bodies lost", static_cast<double>(ours.run().steps.back().lost), false, 0});
+    results.claims.push_back({label + ": bodies lost", static_cast<double>(ours.run().steps.back().lost), false, 0});
     results.claims.push_back({label + ": deepest true penetration, m", ourDepth, false, 0.02});
     if (!options.quick) {
-        results.claims.push_back({label + ": residual RMS speed / GImpact's", residuals[1] / residuals[0], false, 0.25});
+        results.claims.push_back(
+            {label + ": residual RMS speed / GImpact's", residuals[1] / residuals[0], false, 0.25});
     }
 }
 
 }  // namespace
 
 report::Report runSceneSuite(const Options& options) {
-    constexpr std::array rests{test::RestScene::uOnBar, test::RestScene::crossInHole,
-                               test::RestScene::interlockedTori};
+    constexpr std::array rests{test::RestScene::uOnBar, test::RestScene::crossInHole, test::RestScene::interlockedTori};
     std::vector<std::string> wanted = options.scenarios;
     if (wanted.empty()) {
         wanted = {"pile"};

@@ -1,8 +1,8 @@
 // Bullet scenes on Grapeshot and on GImpact, in the same run.
 #pragma once
 
-#include "options.hpp"
 #include <report/report.hpp>
+#include "options.hpp"
 
 namespace grapeshot::bench {
 

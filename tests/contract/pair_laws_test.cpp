@@ -22,9 +22,16 @@ void append(Bytes& bytes, const Eigen::Vector3f& v) {
 
 /// All that a state reports and keeps, number by number.
 Bytes bytesOf(const PairState& state, const PairResult& result) {
-    Bytes bytes{result.collides, result.certain, static_cast<std::uint32_t>(result.work), result.candidates,
-                result.traversed, result.rawContacts, result.deepContacts, state.contacts.nextId,
-                state.contacts.droppedRegions, std::bit_cast<std::uint32_t>(state.candidateDistance)};
+    Bytes bytes{result.collides,
+                result.certain,
+                static_cast<std::uint32_t>(result.work),
+                result.candidates,
+                result.traversed,
+                result.rawContacts,
+                result.deepContacts,
+                state.contacts.nextId,
+                state.contacts.droppedRegions,
+                std::bit_cast<std::uint32_t>(state.candidateDistance)};
     for (const LeafPair& pair : state.candidates) {
         bytes.push_back(pair.leafA);
         bytes.push_back(pair.leafB);
@@ -86,8 +93,7 @@ TEST_P(PairLaws, EveryInstructionSetAndEveryRunGiveTheSameBytes) {
     for (const Budget budget : {Budget{}, Budget{.work = 20}}) {
         PairState first;
         const auto reference = walk(first, 0, path.size(), budget);
-        for (const InstructionSet set :
-             {best, InstructionSet::scalar, InstructionSet::avx2, InstructionSet::avx512}) {
+        for (const InstructionSet set : {best, InstructionSet::scalar, InstructionSet::avx2, InstructionSet::avx512}) {
             limitInstructionSet(set);
             SCOPED_TRACE(name(instructionSet()));
             PairState state;

@@ -199,7 +199,8 @@ TEST(BadInput, ANotFinitePoseHarmsNobodyElse) {
 
 /// Programs change scales while a scene runs; zero and mirrored ones among them.
 TEST(BadInput, AZeroOrNegativeScaleHarmsNobodyElse) {
-    for (const btVector3& scale : {btVector3(0, 0, 0), btVector3(1, 0, 1), btVector3(-1, 1, 1), btVector3(-1, -1, -1)}) {
+    for (const btVector3& scale :
+         {btVector3(0, 0, 0), btVector3(1, 0, 1), btVector3(-1, 1, 1), btVector3(-1, -1, -1)}) {
         World world = makeScene();
         // A seventh body, far from the others, with a mesh of its own, on the same floor.
         const std::size_t mesh = world.addMesh(scenes::bumpySphere(0.3F, 0.05F, 4, 4, 9));

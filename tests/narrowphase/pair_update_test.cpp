@@ -402,6 +402,14 @@ TEST(PairUpdate, NothingIsReusedWhereSurfacesCutOrTheBudgetEnded) {
     }
     EXPECT_FALSE(update(ball, ball, apart, settings, {}, starved).refreshed);
     EXPECT_TRUE(update(ball, ball, apart, settings, {}, starved).refreshed);
+    // More is asked for than was searched.
+    settings.maxDistance *= 1.5F;
+    settings.set.maxDistance *= 1.5F;
+    EXPECT_FALSE(update(ball, ball, apart, settings, {}, starved).refreshed);
+    EXPECT_TRUE(update(ball, ball, apart, settings, {}, starved).refreshed);
+    // A point slid away: whatever has come in its place is to be found.
+    settings.set.mergeDistance = 1e-4F;
+    EXPECT_FALSE(update(ball, ball, posed({1.03F, 1e-3F, 0}), settings, {}, starved).refreshed);
     settings.reuseMotion = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(update(ball, ball, apart, settings, {}, starved).stop, StopReason::invalidInput);
 }

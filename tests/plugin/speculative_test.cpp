@@ -53,6 +53,24 @@ TEST(Speculative, AlsoBySheetsBySolidsAndWhileSpinning) {
     }
 }
 
+TEST(Speculative, ThinPlatesWithThickMarginsAndSheetsDoNotPassEachOther) {
+    scenes::Mesh upright = scenes::grid(0.3F, 0.3F, 3, 3);
+    for (Eigen::Vector3f& v : upright.vertices) {
+        v = {-v.y(), v.x(), v.z()};
+    }
+    const MeshShape plate(scenes::box({0.005F, 0.3F, 0.3F}, 3), Kind::mesh, 0.04_s);
+    const MeshShape wall(scenes::box({0.005F, 2, 2}, 4), Kind::bvh, 0.04_s);
+    const MeshShape sheet(upright, Kind::bvh, 0.04_s);
+    EXPECT_LT(shoot(true, *plate, *wall).x(), 0);
+    TestWorld world;
+    world.world.setGravity({0, 0, 0});
+    world.add(*wall, at({0, 0, 0}));
+    btRigidBody& body = world.add(*sheet, at({-3.5_s, 0.1_s, 0.05_s}), 1, {0.1_s, 0.1_s, 0.1_s});
+    body.setLinearVelocity({speed, 0, 0});
+    world.step(60);
+    EXPECT_LT(body.getWorldTransform().getOrigin().x(), 0);
+}
+
 TEST(Speculative, WhatFliesPastIsNotTouched) {
     // Along a wall at a distance of 5 cm, past its end, faster than its own size in a step.
     const MeshShape bullet(scenes::box({0.2F, 0.2F, 0.2F}), Kind::mesh, 0.005_s);

@@ -7,8 +7,8 @@ namespace grapeshot::test {
 namespace {
 
 constexpr double radius = 0.5;  ///< m
-/// 81 920 triangles: the edges are 2 cm. Coarser balls roll like the polyhedra they are: each facet that comes down costs
-/// (5/14) (angle of a facet)^2 of the speed, 18 % a turn with edges of 4 cm.
+/// 81 920 triangles: the edges are 2 cm. Coarser balls roll like the polyhedra they are: each facet that comes down
+/// costs (5/14) (angle of a facet)^2 of the speed, 18 % a turn with edges of 4 cm.
 const scenes::Mesh& ball() {
     static const scenes::Mesh mesh = scenes::sphere(static_cast<float>(radius), 64);
     return mesh;

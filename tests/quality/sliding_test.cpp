@@ -11,9 +11,9 @@ std::string floorName(const testing::TestParamInfo<Floor>& sample) {
 }
 
 struct Slid {
-    double distance = 0;   ///< m
-    double endSpeed = 0;   ///< m/s
-    double sideways = 0;   ///< m
+    double distance = 0;  ///< m
+    double endSpeed = 0;  ///< m/s
+    double sideways = 0;  ///< m
 };
 
 Slid slide(Body kind, Floor floor, double startSpeed, double friction) {
@@ -36,7 +36,8 @@ Slid slide(Body kind, Floor floor, double startSpeed, double friction) {
     return {way.x(), velocity(world.body(body)).norm(), std::abs(way.z())};
 }
 
-/// Bullet's own is taken on Bullet's own plane: its box trips over the inner edges of a mesh floor (and stops 19 % short).
+/// Bullet's own is taken on Bullet's own plane: its box trips over the inner edges of a mesh floor (and stops 19 %
+/// short).
 class Sliding : public testing::TestWithParam<Floor> {};
 
 TEST_P(Sliding, TheWayToRestIsThatOfTheFormula) {
@@ -58,10 +59,10 @@ struct Bounce {
     double top = 0;     ///< m above rest, after the first bounce
 };
 
-/// A small ball and short steps: Bullet makes a contact as soon as bodies are closer than 2 % of their size, and one that
-/// is made before the ball arrives takes its speed without giving any back. So a step must be longer than that, and the
-/// height is such that the ball arrives at the end of a step, a hundredth of a step's way deep (what is deeper is pushed
-/// out by its own speed on top).
+/// A small ball and short steps: Bullet makes a contact as soon as bodies are closer than 2 % of their size, and one
+/// that is made before the ball arrives takes its speed without giving any back. So a step must be longer than that,
+/// and the height is such that the ball arrives at the end of a step, a hundredth of a step's way deep (what is deeper
+/// is pushed out by its own speed on top).
 Bounce bounce(Body kind, Floor floor, double restitution) {
     constexpr double radius = 0.05;
     constexpr int fallingSteps = 450;

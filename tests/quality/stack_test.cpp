@@ -73,8 +73,8 @@ TEST_P(StackOfTen, StandsForAMinuteAsBulletsOwnDoes) {
     const Stack primitive = stand(Body::primitive, GetParam());
     expectHeights(primitive, 0);
     expectHeights(mesh, 2 * margin);
-    // Bullet's friction creeps under load. How far depends on the start: starts that differ by a millimetre drift by 1 to
-    // 11 cm with Bullet's own boxes, so one run is not held against one other.
+    // Bullet's friction creeps under load. How far depends on the start: starts that differ by a millimetre drift by 1
+    // to 11 cm with Bullet's own boxes, so one run is not held against one other.
     for (const double drift : {mesh.drift, primitive.drift}) {
         EXPECT_LT(drift, 0.02 * cubes * 2 * half);
     }
