@@ -4,9 +4,9 @@
 #include <limits>
 
 #include <grapeshot/adb/detail/descent.hpp>
-#include <grapeshot/adb/detail/lane_contact.hpp>
 #include <grapeshot/adb/detail/pair_queue.hpp>
 #include <grapeshot/adb/detail/spending.hpp>
+#include <grapeshot/adb/lane_contact.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 
 namespace grapeshot {
@@ -245,7 +245,7 @@ void Query::State::append(const LeafBlock& blockA, const LeafBlock& blockB, Cont
             !(batch.signedDistance[lane] <= maxDistance)) {
             continue;
         }
-        out.pairs.push_back(detail::laneContact(batch, lane, pair));
+        out.pairs.push_back(laneContact(batch, lane, pair));
     }
 }
 

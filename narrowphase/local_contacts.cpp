@@ -5,7 +5,7 @@
 #include <cassert>
 #include <utility>
 
-#include <grapeshot/adb/detail/lane_contact.hpp>
+#include <grapeshot/adb/lane_contact.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 #include <grapeshot/narrowphase/detail/contact_collector.hpp>
 #include <grapeshot/narrowphase/detail/feature_contacts.hpp>
@@ -134,7 +134,7 @@ void LocalContactSearch::State::addOverlapping(const LeafPair& pair) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
         const TrianglePair triangles{blockA.triangle[lane >> 2U], blockB.triangle[lane & 3U]};
         if (triangles.triangleA != noTriangle && triangles.triangleB != noTriangle) {
-            overlapping.push_back(detail::laneContact(batch, lane, triangles));
+            overlapping.push_back(laneContact(batch, lane, triangles));
         }
     }
 }

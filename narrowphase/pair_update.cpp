@@ -143,21 +143,29 @@ bool searchPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const
     return complete;
 }
 
-/// Local extrema, cuts that they do not explain, and bodies inside bodies.
-void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, bool complete,
-                  PairResult& result, Scratch& s) {
+/// Local extrema and the cuts that they do not explain, in s.found. Returns how many are local.
+std::size_t finishSearch(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                         Scratch& s) {
     s.found.clear();
     s.search.finish(s.found);
-    result.candidates = s.search.tested();
     const std::size_t localCount = s.found.size();
-    const bool overlapping = !s.search.overlapping().empty();
-    if (overlapping) {
+    if (!s.search.overlapping().empty()) {
         s.deep.clear();
         const float spacing = settings.set.regions.spacing;
         penetrationContacts(a, b, bInA, s.search.overlapping(), s.found, {spacing, spacing, maxPointsPerRegion},
                             s.deep);
         s.found.insert(s.found.end(), s.deep.begin(), s.deep.end());
-    } else if (complete && settings.interior == Interior::solid && s.found.empty()) {
+    }
+    return localCount;
+}
+
+/// All contacts, bodies inside bodies too.
+void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, bool complete,
+                  PairResult& result, Scratch& s) {
+    const std::size_t localCount = finishSearch(a, b, bInA, settings, s);
+    const bool overlapping = !s.search.overlapping().empty();
+    result.candidates = s.search.tested();
+    if (!overlapping && complete && settings.interior == Interior::solid && s.found.empty()) {
         containmentContacts(a, b, bInA, s.found);
     }
     result.rawContacts = static_cast<std::uint32_t>(s.found.size());
@@ -215,6 +223,25 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     result.stop = complete ? StopReason::certain : StopReason::budget;
     result.work = purse.spent();
     return result;
+}
+
+std::uint64_t contactsAt(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                         Budget budget, std::vector<SurfaceContact>& out) {
+    if (!isRigid(bInA) || !isUsable(settings)) {
+        return 0;
+    }
+    Scratch& s = threadScratch();
+    Purse purse(budget);
+    LocalContactSettings local = settings.local;
+    local.maxDistance = settings.maxDistance;
+    s.search.start(a, b, bInA, local);
+    const Order order = purse.isUnlimited() ? Order::depthFirst : Order::bestFirst;
+    Query(a.tree, b.tree).leafPairs(bInA, {settings.maxDistance, order}, budget, s.leafPairs);
+    purse.pay(s.leafPairs.work);
+    testPairs(s.leafPairs.pairs, purse, s.search);
+    finishSearch(a, b, bInA, settings, s);
+    out.insert(out.end(), s.found.begin(), s.found.end());
+    return purse.spent();
 }
 
 }  // namespace grapeshot

@@ -63,4 +63,9 @@ struct PairResult {
 PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget budget,
                   PairState& state);
 
+/// The contacts of one pose without memory, as `update` finds them but neither grouped nor reduced; bodies wholly
+/// inside another give none. Appended to `out`, A's frame. Returns the work.
+std::uint64_t contactsAt(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                         Budget budget, std::vector<SurfaceContact>& out);
+
 }  // namespace grapeshot

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include <grapeshot/narrowphase/detail/purse.hpp>
-#include <grapeshot/narrowphase/penetration.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/pair_motion.hpp>
 
@@ -140,29 +138,14 @@ class Sweep {
 
 std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float reach, const PairSettings& settings,
                            Budget budget, std::vector<SurfaceContact>& found) {
+    if (shapes.modelB) {
+        PairSettings within = settings;
+        within.maxDistance = reach;
+        return contactsAt(*shapes.modelA->mesh, *shapes.modelB->mesh, bInA, within, budget, found);
+    }
     LocalContactSettings local = settings.local;
     local.maxDistance = reach;
-    if (!shapes.modelB) {
-        return solidContacts(*shapes.modelA->mesh, {shapes.b->getCollisionShape(), toTransform(bInA)}, reach, local,
-                             found);
-    }
-    const MeshModel& a = *shapes.modelA->mesh;
-    const MeshModel& b = *shapes.modelB->mesh;
-    thread_local LeafPairs leafPairs;
-    thread_local LocalContactSearch search;
-    detail::Purse purse(budget);
-    const Order order = purse.isUnlimited() ? Order::depthFirst : Order::bestFirst;
-    Query(a.tree, b.tree).leafPairs(bInA, {reach, order}, budget, leafPairs);
-    purse.pay(leafPairs.work);
-    search.start(a, b, bInA, local);
-    testPairs(leafPairs.pairs, purse, search);
-    search.finish(found);
-    if (!search.overlapping().empty()) {
-        const float spacing = settings.set.regions.spacing;
-        const std::vector<SurfaceContact> already = found;
-        penetrationContacts(a, b, bInA, search.overlapping(), already, {spacing, spacing, maxPointsPerRegion}, found);
-    }
-    return purse.spent();
+    return solidContacts(*shapes.modelA->mesh, {shapes.b->getCollisionShape(), toTransform(bInA)}, reach, local, found);
 }
 
 std::uint64_t sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,

@@ -6,8 +6,9 @@
 #include <grapeshot/adb/query.hpp>
 #include <grapeshot/core/triangle_batch.hpp>
 
-namespace grapeshot::detail {
+namespace grapeshot {
 
+/// What the kernel says of lane `lane` (0..15), which held `pair`.
 [[nodiscard]] inline TriangleContact laneContact(const DistanceBatch& batch, std::uint32_t lane,
                                                  const TrianglePair& pair) {
     TriangleContact contact;
@@ -21,4 +22,4 @@ namespace grapeshot::detail {
     return contact;
 }
 
-}  // namespace grapeshot::detail
+}  // namespace grapeshot
