@@ -159,7 +159,7 @@ TEST_P(Solids, BuriedBodiesArePushedOut) {
 }
 
 INSTANTIATE_TEST_SUITE_P(BothOrders, Solids, testing::Bool(),
-                         [](const auto& info) { return info.param ? "MeshFirst" : "SolidFirst"; });
+                         [](const auto& sample) { return sample.param ? "MeshFirst" : "SolidFirst"; });
 
 TEST(SolidScenes, MeshBodiesRestOnEverySolid) {
     btStaticPlaneShape plane({0, 1, 0}, 0);
