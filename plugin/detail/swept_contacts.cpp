@@ -34,20 +34,20 @@ class Sweep {
           m_touching(touching),
           m_motionA(motionOf(*shapes.a->getCollisionObject())),
           m_motionB(motionOf(*shapes.b->getCollisionObject())),
-          m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {
-        // Bodies as thick as two strides overlap at some of the moments looked at. If they do already, that tells
-        // nothing.
-        if (shapes.modelB && 0.5F * task.size.thickness >= settings.maxDistance) {
-            m_query.emplace(shapes.modelA->mesh->tree, shapes.modelB->mesh->tree);
+          m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {}
+
+    /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
+    std::uint64_t run(float motion, btScalar seconds, ContactSet& ahead) {
+        // In strides of half their thickness bodies overlap at some moment on the way, unless they do already. Where
+        // that is too many, they are looked at as often as their contact distance says.
+        const float fine = 0.5F * m_task.size.thickness;
+        if (m_shapes.modelB && motion <= static_cast<float>(mostSteps) * fine) {
+            m_query.emplace(m_shapes.modelA->mesh->tree, m_shapes.modelB->mesh->tree);
             if (hits(0)) {
                 m_query.reset();
             }
         }
-    }
-
-    /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
-    std::uint64_t run(float motion, btScalar seconds, ContactSet& ahead) {
-        const float stride = std::max(0.5F * m_task.size.thickness, m_settings.maxDistance);
+        const float stride = m_query ? fine : std::max(fine, m_settings.maxDistance);
         const int steps = std::clamp(static_cast<int>(std::ceil(motion / stride)), 1, mostSteps);
         btScalar before = 0;
         btScalar after = 0;
