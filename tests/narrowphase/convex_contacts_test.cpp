@@ -1,4 +1,5 @@
 #include <grapeshot/narrowphase/convex_contacts.hpp>
+#include <grapeshot/narrowphase/detail/box_cut.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -343,7 +344,7 @@ TEST(BoxContacts, AreThoseOfTheBoxesMesh) {
             boxContacts(body.model, box, 0.05F, {}, analytic);
             const Contacts meshes = test::localContactsOf(body.model, boxModel, box.pose, 0.05F);
             const std::string where = std::string(body.name) + ", sample " + std::to_string(i) + ": ";
-            expectConsistent(body, analytic, where, true);
+            expectConsistent(body, analytic, where, detail::canReachThrough(body.model, box));
             const auto has = [](const Contacts& list, const SurfaceContact& contact) {
                 return std::any_of(list.begin(), list.end(), [&](const SurfaceContact& other) {
                     return (other.onA - contact.onA).norm() < 1e-3F && other.normal.dot(contact.normal) > 0.999F &&
