@@ -145,9 +145,9 @@ class AdbQuery {
         const Extent& extentA = m_a.tree.extents[a];
         const Extent& extentB = m_b.tree.extents[b];
         const double distance = (placement.toA(m_b.tree.centers[b]) - m_a.tree.centers[a]).norm();
-        const SharedCells shared = sharedCells({&extentA, wellFilledA, cubed(m_a.cells.settings.grid)},
-                                               {&extentB, wellFilledB, cubed(m_b.cells.settings.grid)},
-                                               sharedVolume<V>(extentA, extentB, distance));
+        const SharedCells shared =
+            sharedCells({&extentA, wellFilledA, m_a.cells.settings.grid},
+                        {&extentB, wellFilledB, m_b.cells.settings.grid}, sharedVolume<V>(extentA, extentB, distance));
         return collisionProbability(m_table(shared.s, shared.sA, shared.sB), lowerBound(a, b), m_settings.mostCells);
     }
 
@@ -162,8 +162,6 @@ class AdbQuery {
         return curvatureBound(std::min(m_a.cells.settings.tau, m_b.cells.settings.tau),
                               std::max(nodeA.coneHalfAngle, nodeB.coneHalfAngle));
     }
-
-    static int cubed(int grid) { return grid * grid * grid; }
 
     Body m_a;
     Body m_b;

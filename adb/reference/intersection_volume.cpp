@@ -18,6 +18,7 @@ Extent extentOf(const Box& box) {
     extent.sides = box.sides();
     std::sort(extent.sides.begin(), extent.sides.end(), std::greater<>());
     extent.volume = extent.sides.prod();
+    extent.meanSide = std::cbrt(extent.volume);
     extent.radius = 0.5 * extent.sides.norm();
     return extent;
 }
@@ -28,9 +29,9 @@ double equalBoxesVolume(const Eigen::Vector3d& sidesLongestFirst, double distanc
     const double c = sidesLongestFirst[2];
     const auto left = [&](double length) { return std::max(0.0, 1 - distance / length); };
     const double v1 = left(a);
-    const double v2 = std::pow(left(std::hypot(a, b)), 2);
-    const double v3 = std::pow(left(std::hypot(a, b, c)), 3);
-    return a * b * c * std::max({v1, v2, v3});
+    const double v2 = left(std::sqrt(a * a + b * b));
+    const double v3 = left(std::sqrt(a * a + b * b + c * c));
+    return a * b * c * std::max({v1, v2 * v2, v3 * v3 * v3});
 }
 
 double lensVolume(double radiusA, double radiusB, double distance) {

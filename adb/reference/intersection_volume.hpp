@@ -14,6 +14,7 @@ namespace grapeshot::reference {
 struct Extent {
     Eigen::Vector3d sides = Eigen::Vector3d::Zero();  ///< of its box, longest first, m
     double volume = 0;                                ///< of the box, m^3
+    double meanSide = 0;                              ///< of a cube of that volume, m
     double radius = 0;                                ///< of the ball around the box; of the volume itself if a sphere
 };
 

@@ -27,7 +27,7 @@ struct SharedCells {
 struct FilledNode {
     const Extent* extent;
     int wellFilled;
-    int cells;  ///< grid^3
+    int grid;  ///< cells per side
 };
 
 /// Which texts do not say; this is what their assumption (filled cells anywhere in the node) leaves. In the shared

@@ -119,20 +119,20 @@ TEST(IntersectionVolume, ThickensFlatBoxes) {
 
 TEST(SharedCells, AreAllCellsOfANodeWithinItself) {
     const Extent extent = extentOf({Vector3d::Zero(), Vector3d(2, 1, 3)});
-    const FilledNode node{&extent, 13, 64};
+    const FilledNode node{&extent, 13, 4};
     const SharedCells all = sharedCells(node, node, sharedVolume<Box>(extent, extent, 0));
     EXPECT_NEAR(all.s, 64, 1e-9);
     EXPECT_NEAR(all.sA, 13, 1e-9);
     EXPECT_NEAR(all.sB, 13, 1e-9);
     const Extent cube = extentOf({Vector3d::Zero(), Vector3d::Constant(2)});
-    const FilledNode ball{&cube, 13, 64};
+    const FilledNode ball{&cube, 13, 4};
     EXPECT_NEAR(sharedCells(ball, ball, sharedVolume<Sphere>(cube, cube, 0)).s, 64, 1e-9);
 }
 
 TEST(SharedCells, ScaleTheDensityOfTheCoarserNode) {
     const Extent small = extentOf({Vector3d::Zero(), Vector3d::Constant(1)});
     const Extent large = extentOf({Vector3d::Zero(), Vector3d::Constant(2)});
-    const SharedCells shared = sharedCells({&small, 32, 64}, {&large, 32, 64}, 0.5);
+    const SharedCells shared = sharedCells({&small, 32, 4}, {&large, 32, 4}, 0.5);
     EXPECT_NEAR(shared.s, 32, 1e-9);
     EXPECT_NEAR(shared.sA, 16, 1e-9);
     EXPECT_NEAR(shared.sB, 8, 1e-9) << "cells of half the side: a surface crosses half the share of them";

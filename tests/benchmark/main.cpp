@@ -7,6 +7,7 @@
 #include <report/report.hpp>
 #include "decide_suite.hpp"
 #include "options.hpp"
+#include "paper_suite.hpp"
 #include "scene_suite.hpp"
 
 namespace {
@@ -23,7 +24,9 @@ int run(const grapeshot::bench::Options& options) {
             return badUse;
         }
     }
-    const report::Report results = options.suite == "decide" ? runDecideSuite(options) : runSceneSuite(options);
+    const report::Report results = options.suite == "decide"  ? runDecideSuite(options)
+                                   : options.suite == "paper" ? runPaperSuite(options)
+                                                              : runSceneSuite(options);
     std::cout << report::table(results);
     if (!options.jsonFile.empty()) {
         std::ofstream file(options.jsonFile);

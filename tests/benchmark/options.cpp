@@ -19,6 +19,16 @@ Number number(std::string_view option, std::string_view text, Number low, Number
     return value;
 }
 
+double real(std::string_view option, std::string_view text, double low, double high) {
+    double value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high)) {
+        throw std::invalid_argument(std::string(option) + ": '" + std::string(text) + "' is no number from " +
+                                    std::to_string(low) + " to " + std::to_string(high));
+    }
+    return value;
+}
+
 InstructionSet instructionSetNamed(std::string_view text) {
     for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::avx2, InstructionSet::avx512}) {
         if (text == name(set)) {
@@ -56,6 +66,12 @@ Options parse(int argumentCount, const char* const* arguments) {
             list(options.scenarios);
         } else if (argument == "--poses") {
             options.poses = number(argument, next(), 1, 10'000'000);
+        } else if (argument == "--distances") {
+            options.distances.low = real(argument, next(), 0, 10);
+            options.distances.high = real(argument, next(), options.distances.low, 10);
+            options.distances.step = real(argument, next(), 0.001, 10);
+        } else if (argument == "--plots") {
+            options.plotFolder = next();
         } else if (argument == "--repetitions") {
             options.repetitions = number(argument, next(), 1, 1000);
         } else if (argument == "--seed") {
@@ -64,7 +80,7 @@ Options parse(int argumentCount, const char* const* arguments) {
             options.jsonFile = next();
         } else if (argument == "--isa") {
             options.instructionSet = instructionSetNamed(next());
-        } else if (options.suite.empty() && (argument == "decide" || argument == "scene")) {
+        } else if (options.suite.empty() && (argument == "decide" || argument == "paper" || argument == "scene")) {
             options.suite = argument;
         } else {
             throw std::invalid_argument("'" + std::string(argument) + "' is not understood");
@@ -80,12 +96,15 @@ std::string usage() {
     return R"(grapeshot_bench SUITE [options]
 
   decide   exact yes/no against FCL, Zachmann's procedure
+  paper    the ADB-tree paper of 2003: error and time per distance, beside the published curves
   scene    Bullet scenes against GImpact
 
-  --mesh FILE...        these meshes instead of the generated ones (decide)
+  --mesh FILE...        these meshes instead of the generated ones (decide, paper)
   --scenario NAME...    only these scenarios
   --quick               a small sample: answers are checked, times are printed but not claimed
-  --poses N             poses per mesh (decide)
+  --poses N             poses per mesh (decide), per distance (paper)
+  --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
+  --plots FOLDER        write the charts there (paper)
   --repetitions N       of every timed measurement
   --seed S              of poses and scenes
   --isa SET             scalar, avx2 or avx512 at most

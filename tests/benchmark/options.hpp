@@ -10,12 +10,21 @@
 
 namespace grapeshot::bench {
 
+/// Centre distances, m.
+struct DistanceRange {
+    double low = 0.4;
+    double high = 2.1;
+    double step = 0.05;
+};
+
 struct Options {
-    std::string suite;                   ///< decide | scene
-    std::vector<std::string> meshes;     ///< files in place of the generated meshes (decide)
+    std::string suite;                   ///< decide | paper | scene
+    std::vector<std::string> meshes;     ///< files in place of the generated meshes (decide, paper: the shown ones)
     std::vector<std::string> scenarios;  ///< only these; empty: all
     bool quick = false;                  ///< a sample: counts are still checked, times are not claimed
-    std::optional<int> poses;            ///< per mesh
+    std::optional<int> poses;            ///< per mesh (decide), per distance (paper)
+    DistanceRange distances;             ///< paper
+    std::string plotFolder;              ///< paper; empty: no plots
     std::optional<int> repetitions;      ///< of every timed measurement
     std::uint64_t seed = 20031119;
     std::string jsonFile;
