@@ -26,8 +26,8 @@ struct Surface {
     Point fast;  ///< fastest among those with at most 4 % of errors, the abstract's figure; or accurate
 };
 
-/// Measures every point on every model. Errors are means over the distances, of the worse model; faster is faster on
-/// each of them.
+/// Measures every point on every model. Errors are means over the distances, of the worse model; faster is by counted
+/// cost, on each of them.
 [[nodiscard]] Surface measureSurface(const std::vector<PaperModel>& models, const Turns& turns, bool quick);
 
 /// Parameters of a point, for rows.
