@@ -35,7 +35,8 @@ void GridAreas::add(const std::array<Eigen::Vector3d, 3>& triangle) {
         for (int y = ys.first; y <= ys.last && layer.count > 2; ++y) {
             const ConvexPolygon row = cut(layer, 1, y);
             for (int x = xs.first; x <= xs.last && row.count > 2; ++x) {
-                m_areas[static_cast<std::size_t>((z * m_grid + y) * m_grid + x)] += area(cut(row, 0, x));
+                const int cell = (z * m_grid + y) * m_grid + x;
+                m_areas[static_cast<std::size_t>(cell)] += area(cut(row, 0, x));
             }
         }
     }

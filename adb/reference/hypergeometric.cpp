@@ -14,10 +14,8 @@ double weigh(const Bins& bins, std::span<double> weight) {
     const int least = std::max(0, sA + sB - s);  // pigeonhole
     const int most = std::min(sA, sB);
     // P(t + 1) / P(t) = (sA - t) (sB - t) / ((t + 1) (s - sA - sB + t + 1))
-    const auto up = [&, s = s, sA = sA, sB = sB](int t) { return static_cast<double>(sA - t) * (sB - t); };
-    const auto down = [&, s = s, sA = sA, sB = sB](int t) {
-        return static_cast<double>(t + 1) * (s - sA - sB + t + 1);
-    };
+    const auto up = [sA = sA, sB = sB](int t) { return static_cast<double>(sA - t) * (sB - t); };
+    const auto down = [s = s, sA = sA, sB = sB](int t) { return static_cast<double>(t + 1) * (s - sA - sB + t + 1); };
     const auto at = [&](int t) -> double& { return weight[static_cast<std::size_t>(t)]; };
     const int mode = std::clamp(static_cast<int>((sA + 1.0) * (sB + 1.0) / (s + 2.0)), least, most);
     std::ranges::fill(weight, 0.0);

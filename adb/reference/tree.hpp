@@ -10,6 +10,7 @@
 #include <concepts>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <grapeshot/adb/reference/box.hpp>
@@ -67,18 +68,17 @@ struct BoundedTree {
 
 template <BoundingVolume V>
 [[nodiscard]] BoundedTree<V> bounded(Hierarchy hierarchy) {
-    BoundedTree<V> tree;
+    BoundedTree<V> tree{.hierarchy = std::move(hierarchy), .volumes = {}, .extents = {}, .centers = {}};
     // All rounding of the pair tests, for bodies up to a thousand of their radii apart.
-    const double slack = 1e-12 * hierarchy.radius;
-    for (const TreeNode& node : hierarchy.nodes) {
-        V volume = V::around(cornersOf(hierarchy, node));
+    const double slack = 1e-12 * tree.hierarchy.radius;
+    for (const TreeNode& node : tree.hierarchy.nodes) {
+        V volume = V::around(cornersOf(tree.hierarchy, node));
         volume.inflate(slack);
         const Box box = thickened(volume.box());
         tree.extents.push_back(extentOf(box));
         tree.centers.push_back(box.center());
         tree.volumes.push_back(volume);
     }
-    tree.hierarchy = std::move(hierarchy);
     return tree;
 }
 

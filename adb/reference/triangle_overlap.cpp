@@ -19,13 +19,13 @@ bool apartAlong(const Eigen::Vector3d& axis, const Corners& a, const Corners& b,
 
 }  // namespace
 
-bool trianglesOverlap(const Corners& first, const Corners& second) {
+bool trianglesOverlap(const Corners& cornersA, const Corners& cornersB) {
     Corners a;
     Corners b;
     double size = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-        a[i] = first[i] - first[0];
-        b[i] = second[i] - first[0];
+        a[i] = cornersA[i] - cornersA[0];
+        b[i] = cornersB[i] - cornersA[0];
         size = std::max({size, a[i].lpNorm<Eigen::Infinity>(), b[i].lpNorm<Eigen::Infinity>()});
     }
     const Corners edgesA{a[1] - a[0], a[2] - a[1], a[0] - a[2]};

@@ -112,6 +112,7 @@ TEST(AdbQuery, RepeatsItself) {
     AdbQuery<Box> other = model.query(withinReach(chapter2007()));
     const std::vector<Pose> all = poses(30, 24);
     std::vector<std::size_t> first;
+    first.reserve(all.size());
     for (const Pose& pose : all) {
         first.push_back(query.decide(pose).estimates);
     }
@@ -130,6 +131,7 @@ TEST(AdbQuery, TakesLessEvidenceForFewerAndWeakerPieces) {
         settings.kMin = kMin;
         AdbQuery<Box> query = model.query(settings);
         std::vector<Answer> result;
+        result.reserve(all.size());
         for (const Pose& pose : all) {
             result.push_back(query.decide(pose));
         }
