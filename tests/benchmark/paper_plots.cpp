@@ -46,7 +46,6 @@ void drawPaperPlots(const std::vector<MeasuredCurves>& measured, const std::vect
         const auto& [model, adb, dop] = shown[i];
         const PublishedCurve& adbTime = find(curves, "fig12_time_ms", model, adb);
         const PublishedCurve& dopTime = find(curves, "fig12_time_ms", model, dop);
-        // Some models have their error curve for other numbers of polygons only.
         error.lines.push_back(published(find(curves, "fig13_error_pct", model, adb), model, i));
         ratio.lines.push_back(published(quotient(dopTime, adbTime), model, i));
         if (i == 0) {
