@@ -10,7 +10,6 @@
 #include <concepts>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <grapeshot/adb/reference/box.hpp>
@@ -67,8 +66,8 @@ struct BoundedTree {
 };
 
 template <BoundingVolume V>
-[[nodiscard]] BoundedTree<V> bounded(Hierarchy hierarchy) {
-    BoundedTree<V> tree{.hierarchy = std::move(hierarchy), .volumes = {}, .extents = {}, .centers = {}};
+[[nodiscard]] BoundedTree<V> bounded(const Hierarchy& hierarchy) {
+    BoundedTree<V> tree{.hierarchy = hierarchy, .volumes = {}, .extents = {}, .centers = {}};
     // All rounding of the pair tests, for bodies up to a thousand of their radii apart.
     const double slack = 1e-12 * tree.hierarchy.radius;
     for (const TreeNode& node : tree.hierarchy.nodes) {

@@ -19,6 +19,7 @@ std::vector<Vector3d> cloud(Random& random) {
     const Vector3d scale(random.uniform(0.05, 1), random.uniform(0.05, 1), random.uniform(0.05, 1));
     const Eigen::Matrix3d turn = random.rotation().cast<double>();
     const Vector3d at = random.direction().cast<double>();
+    points.reserve(6);
     for (int i = 0; i < 6; ++i) {
         points.emplace_back(turn * scale.cwiseProduct(random.direction().cast<double>()) + at);
     }

@@ -38,9 +38,9 @@ PaperModel paperModel(NamedMesh named) {
     PaperModel model{std::move(named.name), scenes::normalised(std::move(named.mesh)), {}, {}};
     const MeshReport report = inspect(model.mesh.view());
     model.mesh = scenes::scaled(std::move(model.mesh), 2 / (report.upper - report.lower).maxCoeff());
-    reference::Hierarchy hierarchy = reference::buildHierarchy(model.mesh.view());
+    const reference::Hierarchy hierarchy = reference::buildHierarchy(model.mesh.view());
     model.boxes = reference::bounded<reference::Box>(hierarchy);
-    model.dops = reference::bounded<PaperDop>(std::move(hierarchy));
+    model.dops = reference::bounded<PaperDop>(hierarchy);
     return model;
 }
 

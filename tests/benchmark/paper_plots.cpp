@@ -20,7 +20,7 @@ scenes::Colour grey(std::size_t index) {
 constexpr std::array<std::array<const char*, 3>, 3> shown{
     {{"car", "28167", "DOP28167"}, {"lock", "62023", "DOP62023"}, {"pipes", "9814", "DOP9814"}}};
 
-Line published(const PublishedCurve& curve, const std::string& label, std::size_t index, double factor = 1) {
+Line publishedLine(const PublishedCurve& curve, const std::string& label, std::size_t index, double factor = 1) {
     Line line{label, curve.distances, curve.values, grey(index), 2.2};
     for (double& y : line.y) {
         y *= factor;
@@ -35,7 +35,7 @@ Line ours(const MeasuredCurves& curves, const std::vector<double>& values, const
 
 }  // namespace
 
-void drawPaperPlots(const std::vector<MeasuredCurves>& measured, const std::vector<PublishedCurve>& curves,
+void drawPaperPlots(const std::vector<MeasuredCurves>& measured, const std::vector<PublishedCurve>& published,
                     const std::string& folder) {
     std::filesystem::create_directories(folder);
     const std::string x = "distance of the middles (box side 2)";
@@ -44,13 +44,13 @@ void drawPaperPlots(const std::vector<MeasuredCurves>& measured, const std::vect
     scenes::Plot ratio{"Exact DOP-tree / ADB-tree, time: published (grey) and here", x, "ratio", true, {}};
     for (std::size_t i = 0; i < shown.size(); ++i) {
         const auto& [model, adb, dop] = shown[i];
-        const PublishedCurve& adbTime = find(curves, "fig12_time_ms", model, adb);
-        const PublishedCurve& dopTime = find(curves, "fig12_time_ms", model, dop);
-        error.lines.push_back(published(find(curves, "fig13_error_pct", model, adb), model, i));
-        ratio.lines.push_back(published(quotient(dopTime, adbTime), model, i));
+        const PublishedCurve& adbTime = find(published, "fig12_time_ms", model, adb);
+        const PublishedCurve& dopTime = find(published, "fig12_time_ms", model, dop);
+        error.lines.push_back(publishedLine(find(published, "fig13_error_pct", model, adb), model, i));
+        ratio.lines.push_back(publishedLine(quotient(dopTime, adbTime), model, i));
         if (i == 0) {
-            time.lines.push_back(published(adbTime, std::string(model) + " ADB", 0, 1000));
-            time.lines.push_back(published(dopTime, std::string(model) + " DOP", 2, 1000));
+            time.lines.push_back(publishedLine(adbTime, std::string(model) + " ADB", 0, 1000));
+            time.lines.push_back(publishedLine(dopTime, std::string(model) + " DOP", 2, 1000));
         }
     }
     for (std::size_t i = 0; i < measured.size(); ++i) {
