@@ -1,86 +1,119 @@
 #include <grapeshot/adb/query.hpp>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
-#include <grapeshot/adb/detail/descent.hpp>
-#include <grapeshot/adb/detail/pair_queue.hpp>
-#include <grapeshot/adb/detail/spending.hpp>
-#include <grapeshot/adb/lane_contact.hpp>
+#include <grapeshot/adb/detail/query_state.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 
 namespace grapeshot {
 
 using detail::DescentEnd;
+using detail::EstimateEnd;
 using detail::SidePair;
 
-struct Query::State {
-    enum class Task { none, decide, contacts, leafPairs };
+namespace {
 
-    State(const Tree& treeA, const Tree& treeB) : a(&treeA), b(&treeB), storage(512) { lend(); }
-    State(const State& other)
-        : a(other.a),
-          b(other.b),
-          descent(other.descent),
-          storage(other.storage),
-          queue(other.queue),
-          task(other.task),
-          order(other.order),
-          maxDistance(other.maxDistance),
-          finished(other.finished),
-          leafPending(other.leafPending),
-          witness(other.witness),
-          hasWitness(other.hasWitness),
-          decision(other.decision) {
-        lend();
+constexpr float never = std::numeric_limits<float>::infinity();
+constexpr float unreachable = -1;  // rates are not negative
+
+/// The rates at which the probability after `steps` is as high, and as low, as it must be.
+std::pair<float, float> limitsAfter(const Calibration& calibration, std::uint64_t steps, float acceptAt,
+                                    float rejectAt) {
+    // By halves, in octaves: the probability does not fall.
+    constexpr double range = 12;
+    const auto above = [&](float probability, bool orEqual) {
+        double low = -range;
+        double high = range;
+        for (int i = 0; i < 40; ++i) {
+            const double middle = 0.5 * (low + high);
+            const float p = probabilityAfter(calibration, static_cast<float>(std::exp2(middle)), steps);
+            ((orEqual ? p >= probability : p > probability) ? high : low) = middle;
+        }
+        return std::pair(static_cast<float>(std::exp2(low)), high < range ? static_cast<float>(std::exp2(high)) : never);
+    };
+    const float yes = acceptAt < 1 ? above(acceptAt, true).second : never;
+    const float no = rejectAt > 0 ? above(rejectAt, false).first : 0;
+    return {yes, no > std::exp2(-11.5F) ? no : unreachable};
+}
+
+detail::RateLimits limitsFor(const Calibration& calibration, float acceptAt, float rejectAt) {
+    detail::RateLimits limits{};
+    limits.yes[0] = never;
+    limits.no[0] = unreachable;
+    for (std::size_t steps = 1; steps < detail::limitSteps; ++steps) {
+        if (steps > 1 && std::bit_width(steps - 1) == std::bit_width(steps - 2)) {
+            limits.yes[steps] = limits.yes[steps - 1];  // of the same row of the table
+            limits.no[steps] = limits.no[steps - 1];
+        } else {
+            std::tie(limits.yes[steps], limits.no[steps]) = limitsAfter(calibration, steps, acceptAt, rejectAt);
+        }
     }
-    State& operator=(const State&) = delete;
-    ~State() = default;
+    return limits;
+}
 
-    bool start(Task newTask, const Pose& bInA, Order newOrder, float distance);
-    void put(SidePair pair, float margin);
-    DescentEnd nextLeafPair(std::uint64_t units);
-    DescentEnd nextOverlap(std::uint64_t units);
-    void tryWitness();
-    Decision goOn(const Budget& budget);
-    bool contactsGoOn(std::uint64_t units, Contacts& out);
-    void append(const LeafBlock& blockA, const LeafBlock& blockB, Contacts& out) const;
-    template <typename Result, typename Run>
-    void goOn(Task which, const Budget& budget, Result& out, const Run& run);
+const detail::RateLimits noLimits = [] {
+    detail::RateLimits limits{};
+    std::fill(std::begin(limits.yes), std::end(limits.yes), never);
+    std::fill(std::begin(limits.no), std::end(limits.no), unreachable);
+    return limits;
+}();
 
-    /// The descent works on borrowed memory, because code compiled per instruction set calls nothing of the standard
-    /// library.
-    void lend() {
-        descent.stack = storage.data();
-        descent.capacity = storage.size();
-        descent.owner = this;
-        descent.grow = [](detail::Descent& borrower) {
-            auto& state = *static_cast<State*>(borrower.owner);
-            state.storage.resize(2 * state.storage.size());
-            state.lend();
-        };
-    }
+}  // namespace
 
-    const Tree* a;
-    const Tree* b;
-    detail::Descent descent;
-    std::vector<SidePair> storage;
-    detail::PairQueue queue;
-    Task task = Task::none;
-    Order order = Order::depthFirst;
-    float maxDistance = 0;
-    bool finished = false;     ///< the answer is certain
-    bool leafPending = false;  ///< descent.found is a leaf pair still to be tested
-    SidePair witness = 0;
-    bool hasWitness = false;
-    Decision decision;
-};
+Query::State::State(const State& other)
+    : a(other.a),
+      b(other.b),
+      descent(other.descent),
+      storageA(other.storageA),
+      storageB(other.storageB),
+      queue(other.queue),
+      task(other.task),
+      order(other.order),
+      maxDistance(other.maxDistance),
+      finished(other.finished),
+      leafPending(other.leafPending),
+      witness(other.witness),
+      hasWitness(other.hasWitness),
+      decision(other.decision),
+      settings(other.settings),
+      estimating(other.estimating),
+      ignoreLimits(other.ignoreLimits),
+      exactFrom(other.exactFrom),
+      limits(other.limits),
+      limitsOf(other.limitsOf),
+      cut(other.cut),
+      cutRates(other.cutRates),
+      cutSidesA(other.cutSidesA),
+      cutSidesB(other.cutSidesB) {
+    lend();
+}
 
-/// To the root. False if the input is invalid: then there is nothing to go on with.
+void Query::State::lend() {
+    descent.stackA = storageA.data();
+    descent.stackB = storageB.data();
+    descent.capacity = storageA.size();
+    descent.owner = this;
+    descent.grow = [](detail::Descent& borrower) {
+        auto& state = *static_cast<State*>(borrower.owner);
+        state.storageA.resize(2 * state.storageA.size());
+        state.storageB.resize(2 * state.storageB.size());
+        state.lend();
+    };
+    cut.sidesA = cutSidesA.data();
+    cut.sidesB = cutSidesB.data();
+    cut.rates = cutRates.data();
+}
+
 bool Query::State::start(Task newTask, const Pose& bInA, Order newOrder, float distance) {
     task = Task::none;
     finished = false;
     leafPending = false;
+    estimating = false;
     descent.depth = 0;
     descent.work = 0;
     queue.clear();
@@ -98,23 +131,24 @@ bool Query::State::start(Task newTask, const Pose& bInA, Order newOrder, float d
     descent.pose = bInA;
     descent.nodesA = a->nodes.data();
     descent.nodesB = b->nodes.data();
+    descent.distributionsA = a->distributions.data();
+    descent.distributionsB = b->distributions.data();
     descent.leavesA = a->leaves.data();
     descent.leavesB = b->leaves.data();
-    if (!finished) {
-        put(detail::sidePair(0, 0), 0);
-    }
     return true;
 }
 
 void Query::State::put(SidePair pair, float margin) {
+    if (finished) {
+        return;
+    }
     if (order == Order::bestFirst) {
         queue.push(pair, margin);
     } else {
-        descent.stack[descent.depth++] = pair;  // the root and a witness: there is always room
+        detail::push(descent, pair);
     }
 }
 
-/// DescentEnd::found: the pair is descent.found.
 DescentEnd Query::State::nextLeafPair(std::uint64_t units) {
     if (order == Order::depthFirst) {
         return detail::toLeafPair(descent, units);
@@ -141,35 +175,26 @@ DescentEnd Query::State::nextLeafPair(std::uint64_t units) {
     return DescentEnd::exhausted;
 }
 
-DescentEnd Query::State::nextOverlap(std::uint64_t units) {
-    if (order == Order::depthFirst) {
-        return detail::toOverlap(descent, units);
+/// False if a setting is out of its range.
+bool Query::State::useSettings(const DecideSettings& wanted) {
+    if (!(wanted.acceptAt >= 0.5F && wanted.acceptAt <= 1) || !(wanted.rejectAt >= 0 && wanted.rejectAt <= 0.5F)) {
+        return false;
     }
-    const std::uint64_t limit = units > unlimited - descent.work ? unlimited : descent.work + units;
-    for (;;) {
-        if (!leafPending) {
-            const DescentEnd end = nextLeafPair(limit - descent.work);
-            if (end != DescentEnd::found) {
-                return end;
-            }
-            leafPending = true;
-        }
-        if (descent.work == limit) {
-            return DescentEnd::budget;
-        }
-        leafPending = false;
-        ++descent.work;
-        descent.lanes = detail::overlapsLeaves(detail::blockA(descent, descent.found).corner,
-                                               detail::blockB(descent, descent.found).corner, descent.pose);
-        if (descent.lanes != 0) {
-            return DescentEnd::found;
+    if (wanted.estimateSteps > 0) {
+        const Calibration* const calibration =
+            wanted.calibration != nullptr ? wanted.calibration : &defaultCalibration();
+        if (limitsOf != calibration || settings.acceptAt != wanted.acceptAt || settings.rejectAt != wanted.rejectAt) {
+            limits = limitsFor(*calibration, wanted.acceptAt, wanted.rejectAt);
+            limitsOf = calibration;
         }
     }
+    settings = wanted;
+    return true;
 }
 
 /// The witness of the last decision is taken up before the root. If it does not hit this time it is forgotten: bodies
 /// that have parted would pay for it in each query.
-void Query::State::tryWitness() {
+void Query::State::recallWitness() {
     if (!hasWitness || finished) {
         return;
     }
@@ -184,19 +209,107 @@ void Query::State::tryWitness() {
         return child != noChild && isLeaf(child);
     };
     if (stillLeaf(*a, detail::sideA(witness)) && stillLeaf(*b, detail::sideB(witness))) {
-        put(witness, std::numeric_limits<float>::infinity());
+        descent.found = witness;
+        leafPending = true;
     }
 }
 
+/// DescentEnd::exhausted: nothing pending, or it does not overlap.
+DescentEnd Query::State::testPending(std::uint64_t units) {
+    if (!leafPending) {
+        return DescentEnd::exhausted;
+    }
+    if (units == 0) {
+        return DescentEnd::budget;
+    }
+    leafPending = false;
+    ++descent.work;
+    descent.lanes = detail::overlapsLeaves(detail::blockA(descent, descent.found).corner,
+                                           detail::blockB(descent, descent.found).corner, descent.pose);
+    return descent.lanes != 0 ? DescentEnd::found : DescentEnd::exhausted;
+}
+
+/// Exact, from the stack or the queue.
+DescentEnd Query::State::nextOverlap(std::uint64_t units) {
+    const std::uint64_t limit = units > unlimited - descent.work ? unlimited : descent.work + units;
+    for (;;) {
+        const DescentEnd pending = testPending(limit - descent.work);
+        if (pending != DescentEnd::exhausted) {
+            return pending;
+        }
+        if (order == Order::depthFirst) {
+            return detail::toOverlap(descent, detail::Nearest::byMargin, limit - descent.work);
+        }
+        const DescentEnd end = nextLeafPair(limit - descent.work);
+        if (end != DescentEnd::found) {
+            return end;
+        }
+        leafPending = true;
+    }
+}
+
+/// From the cut to the stack, the likeliest on top.
+void Query::State::handOver() {
+    estimating = false;
+    exactFrom = descent.work;
+    std::array<std::pair<float, std::uint32_t>, detail::cutCapacity> sorted;
+    for (std::uint32_t i = 0; i < cut.count; ++i) {
+        sorted[i] = {cut.rates[i], i};
+    }
+    std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(cut.count));
+    for (std::size_t i = 0; i < cut.count; ++i) {
+        const std::uint32_t from = sorted[i].second;
+        detail::push(descent, detail::sidePair(cut.sidesA[from], cut.sidesB[from]));
+    }
+}
+
+/// P(they collide) of an answer that is not certain.
+float Query::State::collisionProbability() const {
+    if (settings.estimateSteps == 0 || cut.steps == 0) {
+        return 0.5F;
+    }
+    return estimating ? probabilityAfter(*limitsOf, cut.rate, cut.steps)
+                      : probabilityAfterwards(*limitsOf, cut.rate, descent.work - exactFrom);
+}
+
 Decision Query::State::goOn(const Budget& budget) {
+    bool sure = false;
     if (!finished) {
         DescentEnd end = DescentEnd::budget;
-        finished = detail::spend(
+        detail::spend(
             budget, [this] { return descent.work; },
             [&](std::uint64_t units) {
-                end = nextOverlap(units);
+                const std::uint64_t first = descent.work;
+                end = testPending(units);
+                if (end == DescentEnd::exhausted && estimating) {
+                    const auto mostSteps = static_cast<std::uint32_t>(
+                        std::min<std::uint64_t>(settings.estimateSteps, std::numeric_limits<std::uint32_t>::max()));
+                    switch (detail::toEstimate(descent, cut, limitsOf->formula, ignoreLimits ? noLimits : limits,
+                                               mostSteps, units - (descent.work - first))) {
+                        case EstimateEnd::exhausted:
+                            return true;
+                        case EstimateEnd::found:
+                            end = DescentEnd::found;
+                            return true;
+                        case EstimateEnd::limit:
+                            end = DescentEnd::budget;
+                            sure = true;
+                            return true;
+                        case EstimateEnd::budget:
+                            end = DescentEnd::budget;
+                            return false;
+                        case EstimateEnd::handOver:
+                            handOver();
+                            break;
+                    }
+                }
+                if (end == DescentEnd::exhausted) {
+                    end = nextOverlap(units - (descent.work - first));
+                }
                 return end != DescentEnd::budget;
             });
+        finished = end != DescentEnd::budget;
+        ignoreLimits = sure;
         decision.work = descent.work;
         if (end == DescentEnd::found) {
             decision.collides = true;
@@ -207,61 +320,21 @@ Decision Query::State::goOn(const Budget& budget) {
             witness = descent.found;
             hasWitness = true;
         } else {
-            decision.collides = !finished;
+            decision.collides = false;
         }
     }
     decision.certain = finished;
-    decision.probability = finished ? 1.0F : 0.5F;
-    decision.stop = finished ? StopReason::certain : StopReason::budget;
+    if (finished) {
+        decision.probability = 1;
+        decision.stop = StopReason::certain;
+        return decision;
+    }
+    // Not quite one: that is for what is proven.
+    const float probability = std::clamp(collisionProbability(), 1e-6F, 1 - 1e-6F);
+    decision.collides = probability >= 0.5F;
+    decision.probability = decision.collides ? probability : 1 - probability;
+    decision.stop = sure ? StopReason::probability : StopReason::budget;
     return decision;
-}
-
-/// True when all leaf pairs are done.
-bool Query::State::contactsGoOn(std::uint64_t units, Contacts& out) {
-    const std::uint64_t limit = units > unlimited - descent.work ? unlimited : descent.work + units;
-    for (;;) {
-        if (!leafPending) {
-            const DescentEnd end = nextLeafPair(limit - descent.work);
-            if (end != DescentEnd::found) {
-                return end == DescentEnd::exhausted;
-            }
-            leafPending = true;
-        }
-        if (descent.work == limit) {
-            return false;
-        }
-        leafPending = false;
-        ++descent.work;
-        append(detail::blockA(descent, descent.found), detail::blockB(descent, descent.found), out);
-    }
-}
-
-void Query::State::append(const LeafBlock& blockA, const LeafBlock& blockB, Contacts& out) const {
-    DistanceBatch batch;
-    detail::signedDistancesLeaves(blockA.corner, blockB.corner, descent.pose, batch);
-    for (std::uint32_t lane = 0; lane < batchWidth; ++lane) {
-        const TrianglePair pair{blockA.triangle[lane >> 2U], blockB.triangle[lane & 3U]};
-        if (pair.triangleA == noTriangle || pair.triangleB == noTriangle ||
-            !(batch.signedDistance[lane] <= maxDistance)) {
-            continue;
-        }
-        out.pairs.push_back(laneContact(batch, lane, pair));
-    }
-}
-
-/// Shared by the listing tasks: checks that `which` is under way, runs it, fills in what is told of the end.
-template <typename Result, typename Run>
-void Query::State::goOn(Task which, const Budget& budget, Result& out, const Run& run) {
-    if (task != which) {
-        out.certain = false;
-        out.stop = StopReason::invalidInput;
-        return;
-    }
-    finished = finished || detail::spend(
-                               budget, [this] { return descent.work; }, run);
-    out.work = descent.work;
-    out.certain = finished;
-    out.stop = finished ? StopReason::certain : StopReason::budget;
 }
 
 Query::Query(const Tree& a, const Tree& b) : m_state(std::make_unique<State>(a, b)) {}
@@ -279,86 +352,31 @@ Query::~Query() = default;
 Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget budget) {
     State& state = *m_state;
     state.decision = Decision();
-    if (!state.start(State::Task::decide, bInA, settings.order, 0)) {
+    if (!state.useSettings(settings) || !state.start(State::Task::decide, bInA, settings.order, 0)) {
+        state.task = State::Task::none;
         return state.decision;
     }
-    state.tryWitness();
+    state.estimating = settings.estimateSteps > 0;
+    state.ignoreLimits = false;
+    state.cut.count = 0;
+    state.cut.steps = 0;
+    state.cut.rate = 0;
+    if (!state.estimating) {
+        state.put(detail::sidePair(0, 0), 0);
+    } else {
+        state.order = Order::depthFirst;
+        state.cut.count = 1;
+        state.cut.sidesA[0] = 0;
+        state.cut.sidesB[0] = 0;
+    }
+    if (settings.tryWitness) {
+        state.recallWitness();
+    }
     return state.goOn(budget);
 }
 
 Decision Query::resume(Budget budget) {
     return m_state->task == State::Task::decide ? m_state->goOn(budget) : Decision();
-}
-
-Contacts Query::contacts(const Pose& bInA, const ContactSettings& settings, Budget budget) {
-    Contacts out;
-    contacts(bInA, settings, budget, out);
-    return out;
-}
-
-void Query::contacts(const Pose& bInA, const ContactSettings& settings, Budget budget, Contacts& out) {
-    out.pairs.clear();
-    out.work = 0;
-    m_state->start(State::Task::contacts, bInA, settings.order, settings.maxDistance);
-    resumeContacts(budget, out);
-}
-
-void Query::resumeContacts(Budget budget, Contacts& out) {
-    m_state->goOn(State::Task::contacts, budget, out,
-                  [&](std::uint64_t units) { return m_state->contactsGoOn(units, out); });
-}
-
-void Query::leafPairs(const Pose& bInA, const ContactSettings& settings, Budget budget, LeafPairs& out) {
-    out.pairs.clear();
-    out.work = 0;
-    m_state->start(State::Task::leafPairs, bInA, settings.order, settings.maxDistance);
-    resumeLeafPairs(budget, out);
-}
-
-void Query::resumeLeafPairs(Budget budget, LeafPairs& out) {
-    m_state->goOn(State::Task::leafPairs, budget, out, [&](std::uint64_t units) {
-        const std::uint64_t first = m_state->descent.work;
-        for (;;) {
-            const DescentEnd end = m_state->nextLeafPair(units - (m_state->descent.work - first));
-            if (end != DescentEnd::found) {
-                return end == DescentEnd::exhausted;
-            }
-            const SidePair pair = m_state->descent.found;
-            out.pairs.push_back({detail::leafOf(m_state->descent.nodesA, detail::sideA(pair)),
-                                 detail::leafOf(m_state->descent.nodesB, detail::sideB(pair))});
-        }
-    });
-}
-
-void Query::contactsOf(std::span<const LeafPair> pairs, const Pose& bInA, float maxDistance, Budget budget,
-                       Contacts& out) {
-    State& state = *m_state;
-    out = Contacts{std::move(out.pairs), false, StopReason::invalidInput, 0};
-    out.pairs.clear();
-    for (const LeafPair& pair : pairs) {
-        if (pair.leafA >= state.a->leaves.size() || pair.leafB >= state.b->leaves.size()) {
-            return;
-        }
-    }
-    if (!state.start(State::Task::contacts, bInA, Order::depthFirst, maxDistance)) {
-        return;
-    }
-    state.task = State::Task::none;
-    bool done = state.finished;
-    if (!done) {
-        std::uint64_t next = 0;
-        done = detail::spend(
-            budget, [&] { return next; },
-            [&](std::uint64_t units) {
-                for (; units > 0 && next < pairs.size(); --units, ++next) {
-                    state.append(state.a->leaves[pairs[next].leafA], state.b->leaves[pairs[next].leafB], out);
-                }
-                return next == pairs.size();
-            });
-        out.work = next;
-    }
-    out.certain = done;
-    out.stop = done ? StopReason::certain : StopReason::budget;
 }
 
 }  // namespace grapeshot

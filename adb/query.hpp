@@ -2,7 +2,7 @@
 //
 // This work is based on:
 // Jan Klein, Gabriel Zachmann. ADB-Trees: Controlling the Error of Time-Critical Collision Detection. VMV 2003, fig. 4
-// (the queue of node pairs; here ordered by how deep the boxes overlap, until the probability comes)
+// (the queue of node pairs, taken up best first, which may be stopped at any time)
 #pragma once
 
 #include <Eigen/Core>
@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include <grapeshot/adb/calibration.hpp>
 #include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/pose.hpp>
@@ -23,8 +24,23 @@ enum class Order {
     bestFirst,   ///< deepest box overlap of all first; best when the budget may end it
 };
 
+/// How sure is sure enough. An estimate comes first, then the exact traversal goes on from what it left: by default only
+/// where the estimate is not sure. Wrong by 0.05 % or less on poses such as those of the calibration, and exact in doubt.
 struct DecideSettings {
-    Order order = Order::depthFirst;
+    /// Best-first steps, one unit each, that the estimate may take; 0: exact from the start. The probability says the
+    /// more the more steps; with `unlimited` it never hands over to the exact traversal, which is for queries that will
+    /// be stopped anyway.
+    std::uint64_t estimateSteps = 4;
+    float acceptAt = 0.9995F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
+    float rejectAt = 0.0005F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
+    /// Null: the default one. Must stay where it is as long as the query is used.
+    const Calibration* calibration = nullptr;
+    Order order = Order::depthFirst;  ///< of the exact traversal if there is no estimate before it; else depth first
+    bool tryWitness = true;  ///< take up the pair that the last decision found first: one unit, good for smooth motion
+
+    [[nodiscard]] static DecideSettings exact(Order order = Order::depthFirst) {
+        return {.estimateSteps = 0, .acceptAt = 1, .rejectAt = 0, .calibration = nullptr, .order = order};
+    }
 };
 
 /// Two triangles, one of each mesh, by their index in the mesh.
@@ -37,8 +53,8 @@ struct TrianglePair {
 /// Do the surfaces intersect? (A mesh wholly inside another does not: see `contains` in point_query.hpp.)
 struct Decision {
     bool collides = false;
-    /// P(the answer `collides` is true). 1 when certain. When the budget ended it first: 0.5, nothing known, and
-    /// `collides` is true (boxes still overlap); a calibrated estimate is the probabilistic method's task.
+    /// P(the answer `collides` is true), by the calibration: 0.5 to 1, and 1 only when certain. When the budget ended it
+    /// before the first step, or an exact traversal without an estimate: 0.5, nothing known, and `collides` is true.
     float probability = 0.5F;
     bool certain = false;
     StopReason stop = StopReason::invalidInput;
@@ -99,10 +115,10 @@ class Query {
     Query& operator=(Query&&) noexcept;
     ~Query();
 
-    /// Exact, ends at the first intersecting pair. If the last decision of this object found one, that pair is tried
-    /// first, for one unit.
+    /// Estimate, then exact, as the settings say; ends when sure enough, or certainly at the first intersecting pair.
     Decision decide(const Pose& bInA, const DecideSettings& settings = {}, Budget budget = {});
-    /// Goes on where the last `decide` stopped. The end does not depend on where it was stopped.
+    /// Goes on where the last `decide` stopped. The end does not depend on where it was stopped by its budget. If it had
+    /// stopped because it was sure enough, it goes on until it is certain.
     /// StopReason::invalidInput if there is nothing to resume (no decide before).
     Decision resume(Budget budget);
 

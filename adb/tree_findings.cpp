@@ -41,8 +41,8 @@ class Inspector {
         if (m_tree.nodes.empty() || m_tree.leaves.empty()) {
             say("no nodes or no leaves");
         }
-        if (m_tree.moments.size() != m_tree.nodes.size()) {
-            say(m_tree.moments.size(), " moments for ", m_tree.nodes.size(), " nodes");
+        if (m_tree.distributions.size() != m_tree.nodes.size()) {
+            say(m_tree.distributions.size(), " distributions for ", m_tree.nodes.size(), " nodes");
         }
     }
 
@@ -200,25 +200,27 @@ class Inspector {
             }
         }
         const detail::SurfaceMoments truth = detail::sum(pieces.data(), static_cast<int>(pieces.size()));
-        const NodeMoments& stored = m_tree.moments[index];
-        const double tolerance = 1e-5;
-        const auto differ = [&](float value, double expected, double scale) {
-            return !(std::abs(value - expected) <= tolerance * scale + 1e-36);
-        };
-        bool wrong = differ(stored.area[slot], truth.area, truth.area);
-        constexpr int rows[6] = {0, 1, 2, 0, 0, 1};
-        constexpr int columns[6] = {0, 1, 2, 1, 2, 2};
-        for (int axis = 0; axis < 3; ++axis) {
-            wrong = wrong || differ(stored.normalSum[axis][slot], truth.normalSum[axis], truth.area);
-            // Where there is no area, any mean among the triangles will do.
-            wrong = wrong || (truth.area > 0 && differ(stored.mean[axis][slot], truth.mean[axis], extent));
+        const Node& node = m_tree.nodes[index];
+        const ChildSurface stored = surfaceOf(node, m_tree.distributions[index], slot);
+        double size = 0;
+        for (const auto& half : node.half) {
+            size = std::max(size, double{half[slot]});
         }
-        for (int i = 0; i < 6 && truth.area > 0; ++i) {
-            wrong = wrong ||
-                    differ(stored.covariance[i][slot], truth.covariance(rows[i], columns[i]), truth.covariance.trace());
+        // Not beyond the steps of the bytes.
+        bool wrong = std::abs(stored.area - truth.area) > 0.002 * truth.area + 1e-30;
+        const Eigen::Matrix3d covariance =
+            truth.covariance + detail::thickening * truth.covariance.trace() * Eigen::Matrix3d::Identity();
+        for (int axis = 0; axis < 3 && truth.area > 0; ++axis) {
+            wrong = wrong || std::abs(stored.mean[axis] - truth.mean[axis]) > size / 250 + 1e-6 * extent;
+            for (int other = 0; other < 3; ++other) {
+                wrong = wrong || std::abs(stored.covariance(axis, other) - covariance(axis, other)) >
+                                     0.02 * size * size + 1e-12 * extent * extent;
+            }
         }
+        const double flatness = truth.area > 0 ? truth.normalSum.norm() / truth.area : 0;
+        wrong = wrong || std::abs(stored.flatness - flatness) > 0.005;
         if (wrong) {
-            say("node ", index, " slot ", slot, ": moments do not add up");
+            say("node ", index, " slot ", slot, ": the distribution is not that of its triangles");
         }
     }
 

@@ -1,6 +1,5 @@
 #include <grapeshot/adb/detail/descent.hpp>
 
-#include <cstring>
 #include <limits>
 
 #include <grapeshot/core/detail/leaf_triangles.hpp>
@@ -10,95 +9,73 @@
 #define HWY_TARGET_INCLUDE <grapeshot/adb/detail/descent.cpp>
 #include <hwy/foreach_target.h>
 
-#include <grapeshot/adb/detail/node_pair.hpp>
+#include <grapeshot/adb/detail/child_sides.hpp>
+#include <grapeshot/adb/detail/surface_pair.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace grapeshot::detail::HWY_NAMESPACE {
 
-/// What a node pair (or a leaf and a node) came to.
-struct Children {
-    alignas(64) float margin[16];  ///< of each lane, m
-    std::uint32_t mask;            ///< lanes whose boxes touch
-    Side a[4], b[4];               ///< lane 4 i + j stands for a[i] and b[j]
+/// The sixteen pairs below a pair: which of them touch, and a number that is the larger the sooner one is taken up.
+struct Tested {
+    std::uint32_t mask;
+    Float16 key;
 };
-
-/// The sides below an inner side, without a branch.
-HWY_INLINE void sidesBelow(const Node& node, Side side, Side (&out)[4]) {
-    for (std::uint32_t slot = 0; slot < 4; ++slot) {
-        const ChildRef child = node.child[slot];
-        out[slot] = isLeaf(child) ? (leafBit | side << 2U | slot) : child;
-    }
-}
-HWY_INLINE void sameSide(Side side, Side (&out)[4]) {
-    for (Side& entry : out) {
-        entry = side;
-    }
-}
-
-HWY_INLINE void test(const Descent& descent, Side a, Side b, Children& out) {
-    if (!isLeaf(a) && !isLeaf(b)) [[likely]] {
-        const Node& nodeA = descent.nodesA[a];
-        const Node& nodeB = descent.nodesB[b];
-        sidesBelow(nodeA, a, out.a);
-        sidesBelow(nodeB, b, out.b);
-        const Float16 margin = marginsOf(descent.prepared, AllOfA{&nodeA}, AllOfB{&nodeB});
-        out.mask = touching(descent.prepared, margin);
-        store(margin, out.margin);
-    } else if (isLeaf(a)) {
-        const OneChild leaf{descent.nodesA + (indexOf(a) >> 2U), a & 3U};
-        const Node& nodeB = descent.nodesB[b];
-        sameSide(a, out.a);
-        sidesBelow(nodeB, b, out.b);
-        const Float16 margin = marginsOf(descent.prepared, leaf, AllOfB{&nodeB});
-        out.mask = touching(descent.prepared, margin) & 0x000fU;
-        store(margin, out.margin);
-    } else {
-        const OneChild leaf{descent.nodesB + (indexOf(b) >> 2U), b & 3U};
-        const Node& nodeA = descent.nodesA[a];
-        sidesBelow(nodeA, a, out.a);
-        sameSide(b, out.b);
-        const Float16 margin = marginsOf(descent.prepared, AllOfA{&nodeA}, leaf);
-        out.mask = touching(descent.prepared, margin) & 0x1111U;
-        store(margin, out.margin);
-    }
+template <Nearest nearest>
+HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Side b) {
+    Tested out;
+    const std::uint32_t meant =
+        withChildren(descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
+            Float16 apart[3];
+            out.key = marginsOf(pose, childrenA, childrenB, apart);
+            out.mask = touching(*pose.pose, out.key);
+            if constexpr (nearest == Nearest::byDistribution) {
+                out.key = -closenessOf(*pose.pose, childrenA, childrenB, apart).squaredDistance;
+            }
+        });
+    out.mask &= meant;
+    return out;
 }
 
-/// Pushes the touching children, the one with the largest margin last, so that it is taken up next; the others stay in
-/// the order of their lanes. Sorting them all costs more in mispredicted branches than it saves in steps.
-HWY_INLINE void push(Descent& descent, const Children& children) {
-    if (descent.depth + 16 > descent.capacity) [[unlikely]] {
+/// Pushes the touching children, the one with the largest key last, so that it is taken up next; the others stay in the
+/// order of their lanes. Sorting them all costs more than it saves.
+HWY_INLINE void push(Descent& descent, Side a, Side b, const Tested& tested) {
+    if (tested.mask == 0) {
+        return;
+    }
+    if (descent.depth + stackRoom > descent.capacity) [[unlikely]] {
         descent.grow(descent);
     }
-    SidePair* pairs = descent.stack + descent.depth;
-    std::size_t count = 0;
-    std::size_t deepest = 0;
-    std::int32_t largest = std::numeric_limits<std::int32_t>::min();
-    for (std::uint32_t rest = children.mask; rest != 0; rest &= rest - 1) {
-        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        // Floats that are not negative are ordered like their bits; those that are lie within the threshold anyway.
-        std::int32_t margin;
-        std::memcpy(&margin, children.margin + lane, sizeof(margin));
-        pairs[count] = sidePair(children.a[lane >> 2U], children.b[lane & 3U]);
-        deepest = margin > largest ? count : deepest;
-        largest = margin > largest ? margin : largest;
-        ++count;
-    }
-    if (count != 0) {
-        const SidePair last = pairs[count - 1];
-        pairs[count - 1] = pairs[deepest];
-        pairs[deepest] = last;
-        descent.depth += count;
-    }
+    const Float16 keys = select(maskOf(tested.mask), tested.key, wide(-std::numeric_limits<float>::infinity()));
+    // Nothing is equal if the largest is NaN.
+    const std::uint32_t best = bits(keys == wide(largestLane(keys))) & tested.mask;
+    const auto lane = static_cast<std::uint32_t>(__builtin_ctz(best != 0 ? best : tested.mask));
+    const FourSides fourA = sidesOf(descent.nodesA, a);
+    const FourSides fourB = sidesOf(descent.nodesB, b);
+    Side* const outA = descent.stackA + descent.depth;
+    Side* const outB = descent.stackB + descent.depth;
+    const std::size_t others = writeLanes(fourA, fourB, tested.mask & ~(1U << lane), outA, outB);
+    outA[others] = fourA.side[lane >> 2U];
+    outB[others] = fourB.side[lane & 3U];
+    descent.depth += others + 1;
 }
 
-DescentEnd toOverlap(Descent& descent, std::uint64_t units) {
+HWY_INLINE SidePair top(const Descent& descent) {
+    return sidePair(descent.stackA[descent.depth - 1], descent.stackB[descent.depth - 1]);
+}
+
+template <Nearest nearest>
+HWY_INLINE DescentEnd descendToOverlap(Descent& descent, std::uint64_t units) {
+    const WidePose pose = widened(descent.prepared);
     for (; descent.depth > 0; --units) {
         if (units == 0) {
             return DescentEnd::budget;
         }
         ++descent.work;
-        const SidePair pair = descent.stack[--descent.depth];
-        if (bothLeaves(pair)) {
+        const SidePair pair = top(descent);
+        --descent.depth;
+        const Side a = sideA(pair);
+        const Side b = sideB(pair);
+        if (isLeaf(a & b)) {
             const std::uint32_t lanes =
                 overlapsLeaves(blockA(descent, pair).corner, blockB(descent, pair).corner, descent.pose);
             if (lanes != 0) {
@@ -108,16 +85,20 @@ DescentEnd toOverlap(Descent& descent, std::uint64_t units) {
             }
             continue;
         }
-        Children children;
-        test(descent, sideA(pair), sideB(pair), children);
-        push(descent, children);
+        push(descent, a, b, test<nearest>(descent, pose, a, b));
     }
     return DescentEnd::exhausted;
 }
 
+DescentEnd toOverlap(Descent& descent, Nearest nearest, std::uint64_t units) {
+    return nearest == Nearest::byMargin ? descendToOverlap<Nearest::byMargin>(descent, units)
+                                        : descendToOverlap<Nearest::byDistribution>(descent, units);
+}
+
 DescentEnd toLeafPair(Descent& descent, std::uint64_t units) {
+    const WidePose pose = widened(descent.prepared);
     while (descent.depth > 0) {
-        const SidePair pair = descent.stack[descent.depth - 1];
+        const SidePair pair = top(descent);
         if (bothLeaves(pair)) {
             --descent.depth;
             descent.found = pair;
@@ -129,21 +110,27 @@ DescentEnd toLeafPair(Descent& descent, std::uint64_t units) {
         --units;
         ++descent.work;
         --descent.depth;
-        Children children;
-        test(descent, sideA(pair), sideB(pair), children);
-        push(descent, children);
+        const Side a = sideA(pair);
+        const Side b = sideB(pair);
+        push(descent, a, b, test<Nearest::byMargin>(descent, pose, a, b));
     }
     return DescentEnd::exhausted;
 }
 
 int touchingChildren(const Descent& descent, SidePair pair, TouchingChild (&children)[16]) {
-    Children touched;
-    test(descent, sideA(pair), sideB(pair), touched);
+    const WidePose pose = widened(descent.prepared);
+    const Side a = sideA(pair);
+    const Side b = sideB(pair);
+    const Tested tested = test<Nearest::byMargin>(descent, pose, a, b);
+    const FourSides fourA = sidesOf(descent.nodesA, a);
+    const FourSides fourB = sidesOf(descent.nodesB, b);
+    alignas(64) float margin[16];
+    store(tested.key, margin);
     int count = 0;
-    for (std::uint32_t rest = touched.mask; rest != 0; rest &= rest - 1) {
+    for (std::uint32_t rest = tested.mask; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
-        children[count].pair = sidePair(touched.a[lane >> 2U], touched.b[lane & 3U]);
-        children[count].margin = touched.margin[lane];
+        children[count].pair = sidePair(fourA.side[lane >> 2U], fourB.side[lane & 3U]);
+        children[count].margin = margin[lane];
         ++count;
     }
     return count;
@@ -157,9 +144,9 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-DescentEnd toOverlap(Descent& descent, std::uint64_t units) noexcept {
+DescentEnd toOverlap(Descent& descent, Nearest nearest, std::uint64_t units) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toOverlap);
-    return kernel.chosen()(descent, units);
+    return kernel.chosen()(descent, nearest, units);
 }
 
 DescentEnd toLeafPair(Descent& descent, std::uint64_t units) noexcept {

@@ -5,33 +5,10 @@
 #include <cstdint>
 
 #include <grapeshot/adb/detail/pair_pose.hpp>
+#include <grapeshot/adb/detail/side_pair.hpp>
 #include <grapeshot/adb/tree.hpp>
 
 namespace grapeshot::detail {
-
-/// One side of a pair. Inner: index of the node. Leaf: leafBit | 4 * node + slot of the parent's slot that holds it,
-/// because that is where its box is.
-using Side = std::uint32_t;
-
-/// A in the upper half.
-using SidePair = std::uint64_t;
-[[nodiscard]] constexpr SidePair sidePair(Side a, Side b) noexcept {
-    return SidePair{a} << 32U | b;
-}
-[[nodiscard]] constexpr Side sideA(SidePair pair) noexcept {
-    return static_cast<Side>(pair >> 32U);
-}
-[[nodiscard]] constexpr Side sideB(SidePair pair) noexcept {
-    return static_cast<Side>(pair);
-}
-[[nodiscard]] constexpr bool bothLeaves(SidePair pair) noexcept {
-    return isLeaf(sideA(pair)) && isLeaf(sideB(pair));
-}
-
-/// Index of the leaf block that a leaf side stands for.
-[[nodiscard]] inline std::uint32_t leafOf(const Node* nodes, Side side) noexcept {
-    return indexOf(nodes[indexOf(side) >> 2U].child[side & 3U]);
-}
 
 /// Where a descent is: everything that the kernels read and write. Plain data.
 struct Descent {
@@ -39,17 +16,31 @@ struct Descent {
     Pose pose;
     const Node* nodesA = nullptr;
     const Node* nodesB = nullptr;
+    const NodeDistribution* distributionsA = nullptr;
+    const NodeDistribution* distributionsB = nullptr;
     const LeafBlock* leavesA = nullptr;
     const LeafBlock* leavesB = nullptr;
-    SidePair* stack = nullptr;  ///< room for at least 16 more entries than `depth`
+    Side* stackA = nullptr;  ///< the pairs still to be taken up, the next one last: A's and B's sides
+    Side* stackB = nullptr;
     std::size_t depth = 0;
-    std::size_t capacity = 0;
+    std::size_t capacity = 0;  ///< of both, at least stackRoom more than `depth`
     void (*grow)(Descent&) = nullptr;  ///< makes the capacity larger
     void* owner = nullptr;             ///< for `grow`
     std::uint64_t work = 0;            ///< units spent
     SidePair found = 0;                ///< the leaf pair that a descent ended at
     std::uint32_t lanes = 0;           ///< of `found`: which triangle pairs overlap, lane = 4 a + b
 };
+
+/// What a step writes beyond the top of the stack, at most.
+inline constexpr std::size_t stackRoom = 40;
+
+inline void push(Descent& descent, SidePair pair) noexcept {
+    descent.stackA[descent.depth] = sideA(pair);
+    descent.stackB[descent.depth++] = sideB(pair);
+    if (descent.depth + stackRoom > descent.capacity) {
+        descent.grow(descent);
+    }
+}
 
 [[nodiscard]] inline const LeafBlock& blockA(const Descent& descent, SidePair leaves) noexcept {
     return descent.leavesA[leafOf(descent.nodesA, sideA(leaves))];
@@ -64,8 +55,15 @@ enum class DescentEnd {
     budget,
 };
 
+/// Which of the children is taken up first.
+enum class Nearest {
+    byMargin,        ///< whose boxes overlap deepest: cheap
+    byDistribution,  ///< whose surfaces are nearest in their own spreads (see surface_pair.hpp): a third fewer steps to
+                     ///< an intersection, but each costs a third more; if there is none, nothing is gained
+};
+
 /// To the first leaf pair with overlapping triangles, spending at most `units`.
-DescentEnd toOverlap(Descent& descent, std::uint64_t units) noexcept;
+DescentEnd toOverlap(Descent& descent, Nearest nearest, std::uint64_t units) noexcept;
 
 /// To the next leaf pair whose boxes touch. Finding it costs no unit by itself.
 DescentEnd toLeafPair(Descent& descent, std::uint64_t units) noexcept;

@@ -13,7 +13,7 @@
 #endif
 
 #include <grapeshot/adb/detail/pair_pose.hpp>
-#include <grapeshot/core/detail/wide.hpp>
+#include <grapeshot/core/detail/wide_math.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace grapeshot::detail::HWY_NAMESPACE {
@@ -21,27 +21,26 @@ namespace grapeshot::detail::HWY_NAMESPACE {
 /// Four floats.
 #if HWY_TARGET == HWY_SCALAR
 struct Float4 {
-    float lane[4];
+    Lanes lane;
 };
 HWY_INLINE Float4 four(const float* p) {
-    return {{p[0], p[1], p[2], p[3]}};
+    return {Lanes{p[0], p[1], p[2], p[3]}};
 }
 HWY_INLINE Float4 fourTimes(float x) {
-    return {{x, x, x, x}};
+    return {Lanes{x, x, x, x}};
+}
+HWY_INLINE Float4 abs(Float4 a) {
+    return {one::Abs(a.lane)};
+}
+template <typename Integer>
+HWY_INLINE Float4 fourNumbers(const Integer* p) {
+    return {Lanes{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]),
+                  static_cast<float>(p[3])}};
 }
 HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
-    float all[16];
-    for (int i = 0; i < 4; ++i) {
-        all[i] = a.lane[i];
-        all[4 + i] = b.lane[i];
-        all[8 + i] = c.lane[i];
-        all[12 + i] = d.lane[i];
-    }
-    return loadU(all);
+    return {{a.lane, b.lane, c.lane, d.lane}};
 }
 #else
-using Register4 = one::FixedTag<float, 4>;
-using Register8 = one::FixedTag<float, 8>;
 struct Float4 {
     one::Vec<Register4> lane;
 };
@@ -50,6 +49,14 @@ HWY_INLINE Float4 four(const float* p) {
 }
 HWY_INLINE Float4 fourTimes(float x) {
     return {one::Set(Register4(), x)};
+}
+HWY_INLINE Float4 abs(Float4 a) {
+    return {one::Abs(a.lane)};
+}
+template <typename Integer>
+HWY_INLINE Float4 fourNumbers(const Integer* p) {
+    const one::FixedTag<Integer, 4> integers;
+    return {one::ConvertTo(Register4(), one::PromoteTo(one::FixedTag<std::int32_t, 4>(), one::LoadU(integers, p)))};
 }
 HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
     const auto low = one::Combine(Register8(), b.lane, a.lane);
@@ -62,7 +69,7 @@ HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
 }
 #endif
 
-/// The four products of PairPose::turn, taken apart again: repeated as B's side or spread as A's side of the sixteen.
+/// Four rows of four children in one, taken apart again: repeated as B's side or spread as A's side of the sixteen.
 /// From a register in one shuffle where there is one.
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_AVX2
 struct Quarters {
@@ -97,27 +104,85 @@ struct Quarters {
 /// All four children of a node, as A's or B's side of the sixteen.
 struct AllOfA {
     const Node* node;
+    const NodeDistribution* distribution;
     HWY_INLINE Float16 wideOf(const float* row) const { return spreadA(row); }
     HWY_INLINE Float4 fourOf(const float* row) const { return four(row); }
+    template <typename Integer>
+    HWY_INLINE Float4 numbersOf(const Integer* row) const {
+        return fourNumbers(row);
+    }
 };
 struct AllOfB {
     const Node* node;
+    const NodeDistribution* distribution;
     HWY_INLINE Float16 wideOf(const float* row) const { return repeatB(row); }
     HWY_INLINE Float4 fourOf(const float* row) const { return four(row); }
+    template <typename Integer>
+    HWY_INLINE Float4 numbersOf(const Integer* row) const {
+        return fourNumbers(row);
+    }
 };
 /// One child of a node, in every lane.
 struct OneChild {
     const Node* node;
+    const NodeDistribution* distribution;
     std::uint32_t slot;
     HWY_INLINE Float16 wideOf(const float* row) const { return wide(row[slot]); }
     HWY_INLINE Float4 fourOf(const float* row) const { return fourTimes(row[slot]); }
+    template <typename Integer>
+    HWY_INLINE Float4 numbersOf(const Integer* row) const {
+        return fourTimes(static_cast<float>(row[slot]));
+    }
 };
+
+/// The quarters of WidePose::turn from two numbers, p[2 which] and p[2 which + 1].
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE Float16 turnOf(const float* p, int which) {
+    const float x = p[2 * which];
+    const float y = p[2 * which + 1];
+    const Lanes first = {x, x, x, x};
+    const Lanes second = {y, y, y, y};
+    return {{one::Abs(first), one::Abs(second), first, second}};
+}
+#else
+HWY_INLINE Float16 turnOf(const float* p, int which) {
+    alignas(64) static constexpr std::int32_t lanes[2][8] = {{0, 0, 0, 0, 1, 1, 1, 1}, {2, 2, 2, 2, 3, 3, 3, 3}};
+    const auto eight = one::TableLookupLanes(one::LoadDup128(Register8(), p), one::SetTableIndices(Register8(), lanes[which]));
+#if HWY_TARGET == HWY_AVX2
+    return {one::Abs(eight), eight};
+#else
+    return {one::Combine(Register(), eight, one::Abs(eight))};
+#endif
+}
+#endif
+
+/// A prepared pose in registers.
+struct WidePose {
+    const PairPose* pose;
+    /// Four products of a 3 x 3 matrix at once: entry (row, column) of |R|, |R^T|, R and R^T in the four quarters of the
+    /// lanes. Makes B's half extents those in A's frame, A's in B's frame, B's normals in A's frame, A's in B's.
+    Float16 turn[3][3];
+};
+HWY_INLINE WidePose widened(const PairPose& pose) {
+    WidePose out;
+    out.pose = &pose;
+#pragma GCC unroll 3
+    for (int row = 0; row < 3; ++row) {
+#pragma GCC unroll 3
+        for (int column = 0; column < 3; ++column) {
+            out.turn[row][column] = turnOf(pose.pairs[row] + 4 * (column / 2), column % 2);
+        }
+    }
+    return out;
+}
 
 /// By how much each pair of children overlaps along the axis where it overlaps least (negative: the gap), in metres.
 /// The axes are the faces of both boxes and the normals of both slabs, so a pair with a negative margin is apart by at
 /// least that much, up to rounding (see PairPose::threshold). Empty slots have a margin below -1e35.
+/// @param apart from the middles of A's boxes to those of B's, in A's frame, m
 template <class SideA, class SideB>
-HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
+HWY_INLINE Float16 marginsOf(const WidePose& widePose, SideA a, SideB b, Float16 (&apart)[3]) {
+    const PairPose& pose = *widePose.pose;
     const Node& nodeA = *a.node;
     const Node& nodeB = *b.node;
 
@@ -130,24 +195,23 @@ HWY_INLINE Float16 marginsOf(const PairPose& pose, SideA a, SideB b) {
     }
     const auto turned = [&](int row) HWY_ATTR {
         return Quarters(
-            abs(load(pose.turn[row][0]) * in[0] + load(pose.turn[row][1]) * in[1] + load(pose.turn[row][2]) * in[2]));
+            abs(widePose.turn[row][0] * in[0] + widePose.turn[row][1] * in[1] + widePose.turn[row][2] * in[2]));
     };
     const Quarters turned0 = turned(0);
     const Quarters turned1 = turned(1);
     const Quarters turned2 = turned(2);
 
-    Float16 apart[3];  // from A's middle to B's, in A's frame
     const Float16 centerB[3] = {b.wideOf(nodeB.center[0]), b.wideOf(nodeB.center[1]), b.wideOf(nodeB.center[2])};
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        apart[i] = wide(pose.rotation[i][0]) * centerB[0] + wide(pose.rotation[i][1]) * centerB[1] +
-                   wide(pose.rotation[i][2]) * centerB[2] + wide(pose.translation[i]) - a.wideOf(nodeA.center[i]);
+        apart[i] = wide(pose.row[i][0]) * centerB[0] + wide(pose.row[i][1]) * centerB[1] +
+                   wide(pose.row[i][2]) * centerB[2] + wide(pose.row[i][3]) - a.wideOf(nodeA.center[i]);
     }
     Float16 apartInB[3];
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        apartInB[i] = wide(pose.rotation[0][i]) * apart[0] + wide(pose.rotation[1][i]) * apart[1] +
-                      wide(pose.rotation[2][i]) * apart[2];
+        apartInB[i] = wide(pose.row[0][i]) * apart[0] + wide(pose.row[1][i]) * apart[1] +
+                      wide(pose.row[2][i]) * apart[2];
     }
 
     const Float16 halfA[3] = {a.wideOf(nodeA.half[0]), a.wideOf(nodeA.half[1]), a.wideOf(nodeA.half[2])};

@@ -1,7 +1,10 @@
 #include <grapeshot/adb/detail/pair_pose.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include <grapeshot/adb/detail/tree_contents.hpp>
@@ -9,74 +12,88 @@
 namespace grapeshot::detail {
 namespace {
 
-constexpr double rigidTolerance = 1e-3;  // as isRigid has it
+constexpr float rigidTolerance = 1e-3F;  // as isRigid has it
 
-/// The largest entry of |R^T R - I|; infinite if that is above the tolerance, not finite, or R a reflection.
-double deviation(const float (&r)[3][3]) {
-    double worst = 0;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = i; j < 3; ++j) {
-            const double product = double{r[0][i]} * r[0][j] + double{r[1][i]} * r[1][j] + double{r[2][i]} * r[2][j];
-            const double off = std::abs(product - (i == j ? 1.0 : 0.0));
-            if (!(off <= rigidTolerance)) {
-                return std::numeric_limits<double>::infinity();
-            }
-            worst = std::max(worst, off);
-        }
-    }
-    const double determinant = double{r[0][0]} * (double{r[1][1]} * r[2][2] - double{r[1][2]} * r[2][1]) -
-                               double{r[0][1]} * (double{r[1][0]} * r[2][2] - double{r[1][2]} * r[2][0]) +
-                               double{r[0][2]} * (double{r[1][0]} * r[2][1] - double{r[1][1]} * r[2][0]);
-    return determinant > 0 ? worst : std::numeric_limits<double>::infinity();
+/// The largest power of two that is not above 1 / length, within the range of sizes that meshes may have.
+float inverseUnit(float length) {
+    const float inverse = 1 / std::clamp(length, 1e-30F, 1e30F);
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(inverse) & 0x7f800000U);
 }
 
-/// Denormal operands would make the kernel ten times slower; the change is far below the slack.
-float flushed(float value) {
-    return std::abs(value) < 1e-30F ? 0.0F : value;
+using Four = float __attribute__((vector_size(16)));
+using FourBits = std::int32_t __attribute__((vector_size(16)));
+
+FourBits bitsOf(Four a) {
+    return std::bit_cast<FourBits>(a);
+}
+Four magnitude(Four a) {
+    return std::bit_cast<Four>(bitsOf(a) & 0x7fffffff);
+}
+/// Denormal operands would make the kernel ten times slower; what becomes of them here is far below the slack.
+Four flushed(Four a) {
+    return std::bit_cast<Four>(bitsOf(a) & ~(magnitude(a) < 1e-30F));
 }
 
 }  // namespace
 
+// In single precision, four at a time: the shortest queries take not much longer than this.
 PoseVerdict prepare(const Pose& bInA, float radiusA, float radiusB, float maxDistance, PairPose& out) noexcept {
-    double squaredTranslation = 0;
-    for (int row = 0; row < 3; ++row) {
-        out.translation[row] = flushed(bInA.translation[row]);
-        squaredTranslation += double{out.translation[row]} * out.translation[row];
-        for (int column = 0; column < 3; ++column) {
-            out.rotation[row][column] = flushed(bInA.rotation(row, column));
-        }
+    const float* const c = bInA.rotation.data();
+    const float* const t = bInA.translation.data();
+    // Coordinates of the three columns, and of the translation.
+    const Four x = flushed(Four{c[0], c[3], c[6], t[0]});
+    const Four y = flushed(Four{c[1], c[4], c[7], t[1]});
+    const Four z = flushed(Four{c[2], c[5], c[8], t[2]});
+    std::memcpy(out.row[0], &x, sizeof(x));
+    std::memcpy(out.row[1], &y, sizeof(y));
+    std::memcpy(out.row[2], &z, sizeof(z));
+    const Four columns[3] = {Four{x[0], y[0], z[0], 0}, Four{x[1], y[1], z[1], 0}, Four{x[2], y[2], z[2], 0}};
+    const Four rows[3] = {x, y, z};
+    for (int i = 0; i < 3; ++i) {
+        const Four first = __builtin_shufflevector(rows[i], columns[i], 0, 4, 1, 5);
+        const Four last = __builtin_shufflevector(rows[i], columns[i], 2, 6, 3, 7);
+        std::memcpy(out.pairs[i], &first, sizeof(first));
+        std::memcpy(out.pairs[i] + 4, &last, sizeof(last));
     }
-    const double skew = deviation(out.rotation);
-    if (!std::isfinite(skew) || !std::isfinite(squaredTranslation)) {
+    // R^T R - I: the diagonal, and the rest of it from the columns in turn; the largest of their entries, and what
+    // rounding may have taken from it.
+    const Four nextX = __builtin_shufflevector(x, x, 1, 2, 0, 3);
+    const Four nextY = __builtin_shufflevector(y, y, 1, 2, 0, 3);
+    const Four nextZ = __builtin_shufflevector(z, z, 1, 2, 0, 3);
+    const Four lastY = __builtin_shufflevector(y, y, 2, 0, 1, 3);
+    const Four lastZ = __builtin_shufflevector(z, z, 2, 0, 1, 3);
+    const Four squares = x * x + y * y + z * z;
+    const Four products = x * nextX + y * nextY + z * nextZ;
+    const Four offDiagonal = magnitude(products);
+    const Four offOne = magnitude(squares - 1.0F);
+    const Four worst = offDiagonal > offOne ? offDiagonal : offOne;
+    const FourBits within = (offDiagonal <= rigidTolerance) & (offOne <= rigidTolerance);  // false for NaN
+    const Four triple = x * (nextY * lastZ - lastY * nextZ);
+    const float skew = std::max(std::max(worst[0], worst[1]), worst[2]) + 0x1p-22F;
+    const float squaredShift = squares[3];  // overflows to infinity: that is apart
+    const Four shifts = magnitude(Four{t[0], t[1], t[2], 0});
+    const FourBits finite = shifts <= std::numeric_limits<float>::max();
+    const FourBits sound = (within | FourBits{0, 0, 0, -1}) & finite;
+    if (((sound[0] & sound[1]) & (sound[2] & sound[3])) == 0 || !(triple[0] + triple[1] + triple[2] > 0)) {
         return PoseVerdict::invalid;
     }
-    const double distance = std::min(maxDistance, maxInflation);  // infinity would make NaN of the products below
-    const double reach = double{radiusA} + radiusB * (1 + 2 * skew);
-    const double shift = std::sqrt(squaredTranslation);
-    if (shift > (reach + distance) * (1 + 1e-6)) {
+    constexpr float up = 1 + 0x1p-19F;  // more than what is rounded away below
+    const float distance = std::min(maxDistance, maxInflation);  // infinity would make NaN of the products below
+    const float reach = (radiusA + radiusB * (1 + 2 * skew)) * up;
+    const float shift = std::sqrt(squaredShift);
+    if (shift > (reach + distance) * up) {
         return PoseVerdict::apart;
     }
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) {
-            const float entry = out.rotation[row][column];
-            const float mirrored = out.rotation[column][row];
-            float* lanes = out.turn[row][column];
-            std::fill(lanes, lanes + 4, std::abs(entry));
-            std::fill(lanes + 4, lanes + 8, std::abs(mirrored));
-            std::fill(lanes + 8, lanes + 12, entry);
-            std::fill(lanes + 12, lanes + 16, mirrored);
-        }
-    }
+    out.perLength = inverseUnit(radiusA + radiusB);
+    out.areaOctaves = 4 * (static_cast<float>(std::bit_cast<std::uint32_t>(out.perLength) >> 23U) - 127);
     // Rounding. Centres and half extents are at most sqrt(3) radii long, so everything the kernel adds up stays below
     // S = 2 sqrt(3) (rA + rB) + |t|. The longest chain (box centre through R and R^T onto a slab's normal) makes fewer
     // than 32 roundings of at most S / 2^24 each. The tiny constant is for denormals, also where the host flushes them.
-    constexpr double unit = 0x1p-24;
-    const double magnitude = 3.5 * reach + shift;
-    const double rounding = 32 * unit * magnitude + 1e-35;
+    const float extent = 3.5F * reach + shift;
+    const float rounding = 32 * 0x1p-24F * extent + 1e-35F;
     // With R^T R = I + E, B's own axes and slabs, measured by R^T for the inverse, are off by |E p| for p on B.
-    const double crooked = 3 * skew * (double{radiusB} + distance);
-    const double inflation = distance * (1 + 1e-6) + rounding + crooked;
-    out.threshold = -static_cast<float>(std::min(inflation * (1 + 1e-6), double{maxInflation}));
+    const float crooked = 3 * skew * (radiusB + distance);
+    out.threshold = -std::min((distance + rounding + crooked) * up, maxInflation);
     return PoseVerdict::usable;
 }
 

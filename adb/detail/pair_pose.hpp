@@ -7,12 +7,11 @@
 namespace grapeshot::detail {
 
 /// Plain floats, so that code compiled per instruction set may read them.
-struct alignas(64) PairPose {
-    /// Four products of a 3 x 3 matrix at once: entry (row, column) of |R|, |R^T|, R and R^T in lanes 0..3, 4..7, 8..11
-    /// and 12..15. Makes B's half extents those in A's frame, A's in B's frame, B's normals in A's frame, A's in B's.
-    float turn[3][3][16];
-    float rotation[3][3];  ///< [row][column]
-    float translation[3];  ///< m
+struct PairPose {
+    float row[3][4];    ///< of the rotation, and the translation in m behind it
+    float pairs[3][8];  ///< [row]: entry (row, column) and entry (column, row), column by column; two more
+    float perLength;       ///< 1/m, a power of two: about one over both radii, which keeps sixth powers within range
+    float areaOctaves;     ///< 4 log2 of perLength: makes the sum of two areas' logarithms one of numbers without unit
     /// Boxes touch if their margin (see node_pair.hpp) is not below this: minus the distance asked for, minus what
     /// rounding and a rotation that is not quite orthonormal can take away. m
     float threshold;

@@ -2,14 +2,36 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace grapeshot::detail {
 namespace {
 
-float narrowed(double value) {
-    constexpr double largest = std::numeric_limits<float>::max();
-    return static_cast<float>(std::clamp(value, -largest, largest));
+constexpr int rows[6] = {0, 1, 1, 2, 2, 2};
+constexpr int columns[6] = {0, 0, 1, 0, 1, 2};
+constexpr double leastOctaves = -120;
+
+std::uint8_t signedByte(double value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, -1.0, 1.0) * 127) + 128);
+}
+
+/// Lower root of a matrix that may be singular, or a little less than that by rounding.
+Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
+    Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
+    for (int column = 0; column < 3; ++column) {
+        for (int row = column; row < 3; ++row) {
+            double rest = covariance(row, column);
+            for (int k = 0; k < column; ++k) {
+                rest -= root(row, k) * root(column, k);
+            }
+            if (row == column) {
+                root(row, row) = std::sqrt(std::max(rest, 0.0));
+            } else if (root(column, column) > 1e-6) {
+                root(row, column) = rest / root(column, column);
+            }
+        }
+    }
+    return root;
 }
 
 }  // namespace
@@ -46,16 +68,61 @@ SurfaceMoments sum(const SurfaceMoments* pieces, int count) {
     return out;
 }
 
-void store(const SurfaceMoments& moments, NodeMoments& out, int slot) {
-    out.area[slot] = narrowed(moments.area);
-    for (int axis = 0; axis < 3; ++axis) {
-        out.mean[axis][slot] = narrowed(moments.mean[axis]);
-        out.normalSum[axis][slot] = narrowed(moments.normalSum[axis]);
-        out.covariance[axis][slot] = narrowed(moments.covariance(axis, axis));
+void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistribution& out) {
+    double size = 0;
+    for (const auto& half : node.half) {
+        size = std::max(size, double{half[slot]});
     }
-    out.covariance[3][slot] = narrowed(moments.covariance(0, 1));
-    out.covariance[4][slot] = narrowed(moments.covariance(0, 2));
-    out.covariance[5][slot] = narrowed(moments.covariance(1, 2));
+    out.size[slot] = static_cast<float>(size);
+    for (int axis = 0; axis < 3; ++axis) {
+        out.mean[axis][slot] = signedByte((moments.mean[axis] - node.center[axis][slot]) / size);
+    }
+    // In units of the size, where nothing over- or underflows.
+    const Eigen::Matrix3d covariance = moments.covariance / (size * size);
+    const Eigen::Matrix3d root = rootOf(covariance + thickening * covariance.trace() * Eigen::Matrix3d::Identity());
+    for (int entry = 0; entry < 6; ++entry) {
+        out.root[entry][slot] = signedByte(root(rows[entry], columns[entry]));
+    }
+    for (const int entry : {0, 2, 5}) {  // a point, say: not zero, for the sake of the inverse
+        out.root[entry][slot] = std::max(out.root[entry][slot], std::uint8_t{129});
+    }
+    const double flatness = moments.area > 0 ? moments.normalSum.norm() / moments.area : 0;
+    out.flatness[slot] = static_cast<std::uint8_t>(std::lround(std::clamp(flatness, 0.0, 1.0) * 255));
+    const double octaves = moments.area > 0 ? std::log2(moments.area) : leastOctaves;
+    out.area[slot] = static_cast<std::int16_t>(std::lround(256 * std::clamp(octaves, leastOctaves, 120.0)));
+}
+
+void storeNone(int slot, NodeDistribution& out) {
+    out.size[slot] = 1;
+    for (auto& row : out.mean) {
+        row[slot] = 128;
+    }
+    for (auto& row : out.root) {
+        row[slot] = 129;
+    }
+    out.flatness[slot] = 0;
+    out.area[slot] = static_cast<std::int16_t>(256 * leastOctaves);
 }
 
 }  // namespace grapeshot::detail
+
+namespace grapeshot {
+
+ChildSurface surfaceOf(const Node& node, const NodeDistribution& distribution, int slot) noexcept {
+    const double unit = double{distribution.size[slot]} / 127;
+    ChildSurface out;
+    const double octaves = distribution.area[slot] / 256.0;
+    out.area = octaves < -100 ? 0 : std::exp2(octaves);
+    for (int axis = 0; axis < 3; ++axis) {
+        out.mean[axis] = node.center[axis][slot] + unit * (distribution.mean[axis][slot] - 128);
+    }
+    Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
+    for (int entry = 0; entry < 6; ++entry) {
+        root(detail::rows[entry], detail::columns[entry]) = unit * (distribution.root[entry][slot] - 128);
+    }
+    out.covariance = root * root.transpose();
+    out.flatness = distribution.flatness[slot] / 255.0;
+    return out;
+}
+
+}  // namespace grapeshot

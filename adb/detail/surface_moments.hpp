@@ -20,6 +20,11 @@ struct SurfaceMoments {
 /// Of the union. Pieces without any area count alike, so that the mean stays among them.
 [[nodiscard]] SurfaceMoments sum(const SurfaceMoments* pieces, int count);
 
-void store(const SurfaceMoments& moments, NodeMoments& out, int slot);
+/// Of the trace, added to each variance: the covariance of a flat piece can be inverted, in single precision too.
+inline constexpr double thickening = 0.005;
+
+/// Writes one child of a node, whose box is there already.
+void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistribution& out);
+void storeNone(int slot, NodeDistribution& out);
 
 }  // namespace grapeshot::detail

@@ -135,7 +135,7 @@ void storeSlab(const Tree& tree, LeafRange range, const Eigen::Vector3f& normal,
     node.slabHigh[slot] = std::nextafter(roundedUp(highest + least), infinity);
 }
 
-void storeEmpty(Node& node, NodeMoments& moments, int slot) {
+void storeEmpty(Node& node, NodeDistribution& distribution, int slot) {
     for (int axis = 0; axis < 3; ++axis) {
         node.center[axis][slot] = 0;
         node.half[axis][slot] = emptyHalf;
@@ -143,7 +143,7 @@ void storeEmpty(Node& node, NodeMoments& moments, int slot) {
     }
     node.slabLow[slot] = 0;
     node.slabHigh[slot] = 0;
-    store(SurfaceMoments(), moments, slot);
+    storeNone(slot, distribution);
 }
 
 }  // namespace
@@ -182,7 +182,7 @@ void fillContents(Tree& tree) {
     const std::vector<LeafRange> ranges = leafRanges(tree);
     std::vector<SurfaceMoments> nodeMoments(tree.nodes.size());
     std::vector<Extent> nodeExtents(tree.nodes.size());
-    tree.moments.resize(tree.nodes.size());
+    tree.distributions.resize(tree.nodes.size());
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
         Node& node = tree.nodes[i];
         SurfaceMoments parts[4];
@@ -190,7 +190,7 @@ void fillContents(Tree& tree) {
         for (int slot = 0; slot < 4; ++slot) {
             const ChildRef child = node.child[slot];
             if (child == noChild) {
-                storeEmpty(node, tree.moments[i], slot);
+                storeEmpty(node, tree.distributions[i], slot);
                 continue;
             }
             const std::uint32_t below = indexOf(child);
@@ -199,7 +199,7 @@ void fillContents(Tree& tree) {
             const LeafRange range = isLeaf(child) ? LeafRange{below, below + 1} : ranges[below];
             storeBox(extent, least, node, slot);
             storeSlab(tree, range, slabNormal(part, extent), least, node, slot);
-            store(part, tree.moments[i], slot);
+            store(part, node, slot, tree.distributions[i]);
             nodeExtents[i].grow(extent);
             parts[count++] = part;
         }

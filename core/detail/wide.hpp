@@ -274,6 +274,15 @@ HWY_INLINE std::uint32_t bits(Mask16 a) {
     return result;
 }
 
+/// The other way round.
+HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
+    Mask16 result;
+    for (unsigned i = 0; i < 16; ++i) {
+        result.part[i / 4][i % 4] = -static_cast<std::int32_t>(lanes >> i & 1U);
+    }
+    return result;
+}
+
 #elif HWY_TARGET == HWY_AVX2
 
 HWY_INLINE Float16 wide(float x) {
@@ -317,6 +326,11 @@ HWY_INLINE std::uint32_t bits(Mask16 a) {
     one::StoreMaskBits(Register(), a.high, &high);
     return static_cast<std::uint32_t>(low) | static_cast<std::uint32_t>(high) << 8U;
 }
+/// The other way round.
+HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
+    const std::uint8_t bytes[2] = {static_cast<std::uint8_t>(lanes), static_cast<std::uint8_t>(lanes >> 8U)};
+    return {one::LoadMaskBits(Register(), bytes), one::LoadMaskBits(Register(), bytes + 1)};
+}
 
 #else
 
@@ -352,6 +366,12 @@ HWY_INLINE std::uint32_t bits(Mask16 a) {
     std::uint16_t result = 0;
     std::memcpy(&result, bytes, sizeof(result));
     return result;
+}
+/// The other way round.
+HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
+    std::uint8_t bytes[sizeof(lanes)];
+    std::memcpy(bytes, &lanes, sizeof(lanes));
+    return {one::LoadMaskBits(Register(), bytes)};
 }
 
 #endif

@@ -97,7 +97,7 @@ report::Report compareTrees(const NamedTree& a, const NamedTree& b, const Compar
     for (std::size_t i = 0; i < options.poses; ++i) {
         const Pose pose = randomPose(a.tree, b.tree, {.seed = options.seed, .pair = i});
         const double start = report::wallUs();
-        const Decision decision = query.decide(pose);
+        const Decision decision = query.decide(pose, DecideSettings::exact());
         const double middle = report::wallUs();
         query.contacts(pose, {.maxDistance = distance}, {}, found);
         const double end = report::wallUs();

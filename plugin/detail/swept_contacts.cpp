@@ -91,7 +91,7 @@ class Sweep {
         if (!isRigid(then)) {
             return false;
         }
-        const Decision decision = m_query->decide(then, {}, m_task.budget);
+        const Decision decision = m_query->decide(then, DecideSettings::exact(), m_task.budget);
         m_work += decision.work;
         return decision.certain && decision.collides;
     }

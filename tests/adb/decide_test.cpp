@@ -27,7 +27,7 @@ struct Tally {
 
 void expectTruth(const Tree& a, const Tree& b, Query& query, const Pose& pose, Tally& tally) {
     for (const Order order : {Order::depthFirst, Order::bestFirst}) {
-        const Decision decision = query.decide(pose, {order});
+        const Decision decision = query.decide(pose, DecideSettings::exact(order));
         ASSERT_TRUE(decision.certain);
         EXPECT_EQ(decision.stop, StopReason::certain);
         EXPECT_EQ(decision.probability, 1);
@@ -148,7 +148,7 @@ TEST(Decide, IsTrueOnDegenerateMeshes) {
     Query stack(single, many);
     for (std::size_t i = 0; i < 50; ++i) {
         const Pose pose = randomPose(single, single, random);
-        EXPECT_EQ(stack.decide(pose).collides, one.decide(pose).collides);
+        EXPECT_EQ(stack.decide(pose, DecideSettings::exact()).collides, one.decide(pose, DecideSettings::exact()).collides);
     }
 }
 
@@ -157,7 +157,7 @@ TEST(Decide, FindsASmallBodyWhollyInsideClear) {
     const Tree big = build(scenes::sphere(1, 6).view());
     const Tree small = build(scenes::sphere(0.3F, 3).view());
     Query query(big, small);
-    const Decision decision = query.decide(Pose{});
+    const Decision decision = query.decide(Pose{}, DecideSettings::exact());
     EXPECT_TRUE(decision.certain);
     EXPECT_FALSE(decision.collides);
 }
@@ -165,7 +165,7 @@ TEST(Decide, FindsASmallBodyWhollyInsideClear) {
 TEST(Decide, FarApartCostsNothing) {
     const Tree tree = build(scenes::sphere(1, 6).view());
     Query query(tree, tree);
-    const Decision decision = query.decide({Eigen::Matrix3f::Identity(), {1e30F, 0, 0}}, {}, {0});
+    const Decision decision = query.decide({Eigen::Matrix3f::Identity(), {1e30F, 0, 0}}, DecideSettings::exact(), {0});
     EXPECT_TRUE(decision.certain);
     EXPECT_FALSE(decision.collides);
     EXPECT_EQ(decision.work, 0U);
@@ -181,13 +181,13 @@ TEST(Decide, RefusesWhatIsNoPose) {
     bad[3].rotation(0, 0) = -1;  // a mirror
     bad[4].rotation.setConstant(std::numeric_limits<float>::infinity());
     for (const Pose& pose : bad) {
-        const Decision decision = query.decide(pose);
+        const Decision decision = query.decide(pose, DecideSettings::exact());
         EXPECT_EQ(decision.stop, StopReason::invalidInput);
         EXPECT_FALSE(decision.certain);
         EXPECT_EQ(decision.work, 0U);
         EXPECT_EQ(query.resume({}).stop, StopReason::invalidInput);
     }
-    EXPECT_TRUE(query.decide(Pose{}).certain);
+    EXPECT_TRUE(query.decide(Pose{}, DecideSettings::exact()).certain);
 }
 
 TEST(Decide, ABodyNotQuiteRigidIsStillTrue) {
@@ -209,10 +209,10 @@ TEST(Decide, TheLastWitnessIsTriedFirst) {
     const Tree tree = build(scenes::bumpySphere(1, 0.25F, 6, 8).view());
     Query query(tree, tree);
     Pose pose{Eigen::Matrix3f::Identity(), {0.9F, 0.3F, 0.2F}};
-    const Decision first = query.decide(pose);
+    const Decision first = query.decide(pose, DecideSettings::exact());
     ASSERT_TRUE(first.collides);
     EXPECT_GT(first.work, 1U);
-    const Decision second = query.decide(pose);
+    const Decision second = query.decide(pose, DecideSettings::exact());
     EXPECT_EQ(second.work, 1U);
     EXPECT_EQ(second.witness, first.witness);
 }
@@ -221,7 +221,7 @@ TEST(Decide, AnEmptyTreeTouchesNothing) {
     const Tree tree = build(scenes::sphere(1, 3).view());
     const Tree empty;
     Query query(tree, empty);
-    EXPECT_FALSE(query.decide(Pose{}).collides);
+    EXPECT_FALSE(query.decide(Pose{}, DecideSettings::exact()).collides);
     EXPECT_TRUE(query.contacts(Pose{}, {1}).pairs.empty());
 }
 

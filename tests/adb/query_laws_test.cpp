@@ -63,7 +63,7 @@ TEST(Laws, SampleIsRepresentative) {
     for (const Case& pair : cases()) {
         Query query(pair.a, pair.b);
         const auto colliding = std::count_if(pair.poses.begin(), pair.poses.end(),
-                                             [&](const Pose& pose) { return query.decide(pose).collides; });
+                                             [&](const Pose& pose) { return query.decide(pose, DecideSettings::exact()).collides; });
         EXPECT_GT(colliding, static_cast<std::ptrdiff_t>(pair.poses.size() / 5));
         EXPECT_LT(colliding, static_cast<std::ptrdiff_t>(pair.poses.size() * 9 / 10));
     }
@@ -75,7 +75,7 @@ TEST(Laws, SwappedBodiesCollideAlike) {
         Query swapped(pair.b, pair.a);
         const double size = sizeOf(pair.a) + sizeOf(pair.b);
         for (const Pose& pose : pair.poses) {
-            if (query.decide(pose).collides != swapped.decide(inverse(pose)).collides) {
+            if (query.decide(pose, DecideSettings::exact()).collides != swapped.decide(inverse(pose), DecideSettings::exact()).collides) {
                 EXPECT_LE(std::abs(bruteForceClearance(pair.a.mesh(), pair.b.mesh(), pose)), 1e-6 * size);
             }
             const auto count = static_cast<double>(query.contacts(pose, {0.02F}).pairs.size());
@@ -99,7 +99,7 @@ TEST(Laws, MovingBothBodiesChangesNothing) {
         const Tree moved = build({vertices, pair.a.triangles});
         Query movedQuery(moved, pair.b);
         const Pose movedPose = compose(frame, pair.poses[i]);
-        if (query.decide(pair.poses[i]).collides != movedQuery.decide(movedPose).collides) {
+        if (query.decide(pair.poses[i], DecideSettings::exact()).collides != movedQuery.decide(movedPose, DecideSettings::exact()).collides) {
             EXPECT_LE(std::abs(bruteForceClearance(pair.a.mesh(), pair.b.mesh(), pair.poses[i])),
                       1e-6 * (sizeOf(pair.a) + sizeOf(pair.b)));
         }
@@ -110,8 +110,8 @@ TEST(Laws, BothOrdersEndAlike) {
     for (const Case& pair : cases()) {
         Query query(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {
-            EXPECT_EQ(query.decide(pose, {Order::depthFirst}).collides,
-                      query.decide(pose, {Order::bestFirst}).collides);
+            EXPECT_EQ(query.decide(pose, DecideSettings::exact(Order::depthFirst)).collides,
+                      query.decide(pose, DecideSettings::exact(Order::bestFirst)).collides);
             Contacts first = query.contacts(pose, {0.02F, Order::depthFirst});
             Contacts second = query.contacts(pose, {0.02F, Order::bestFirst});
             EXPECT_EQ(first.work, second.work);
@@ -133,9 +133,9 @@ TEST(Laws, ResumedAnywhereIsUninterrupted) {
             Query whole(pair.a, pair.b);
             Query pieces(pair.a, pair.b);
             for (const Pose& pose : pair.poses) {
-                const Decision expected = whole.decide(pose, {order});
+                const Decision expected = whole.decide(pose, DecideSettings::exact(order));
                 std::uint64_t granted = random.bits() % 4;
-                Decision decision = pieces.decide(pose, {order}, {granted});
+                Decision decision = pieces.decide(pose, DecideSettings::exact(order), {granted});
                 while (!decision.certain) {
                     EXPECT_EQ(decision.stop, StopReason::budget);
                     EXPECT_EQ(decision.work, granted);
@@ -189,11 +189,11 @@ TEST(Laws, MoreBudgetIsNeverWorse) {
     const Case& pair = cases()[0];
     for (const Order order : orders) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
-            const bool truth = Query(pair.a, pair.b).decide(pair.poses[i]).collides;
+            const bool truth = Query(pair.a, pair.b).decide(pair.poses[i], DecideSettings::exact()).collides;
             bool wasCertain = false;
             for (std::uint64_t work = 0; work < 200; work += 5) {
                 Query query(pair.a, pair.b);
-                const Decision decision = query.decide(pair.poses[i], {order}, {work});
+                const Decision decision = query.decide(pair.poses[i], DecideSettings::exact(order), {work});
                 EXPECT_LE(decision.work, work);
                 EXPECT_TRUE(decision.certain || !wasCertain);
                 EXPECT_TRUE(!decision.certain || decision.collides == truth);
@@ -208,7 +208,7 @@ TEST(Laws, NoBudgetSaysWhatIsKnown) {
     Query query(pair.a, pair.b);
     for (const Budget& none :
          {Budget{0}, Budget{unlimited, std::chrono::nanoseconds(0)}, Budget{unlimited, std::chrono::nanoseconds(-5)}}) {
-        const Decision decision = query.decide(Pose{}, {}, none);
+        const Decision decision = query.decide(Pose{}, DecideSettings::exact(), none);
         EXPECT_EQ(decision.stop, StopReason::budget);
         EXPECT_EQ(decision.work, 0U);
         EXPECT_FALSE(decision.certain);
@@ -246,7 +246,7 @@ TEST(Laws, ACopyResumesOnItsOwn) {
     for (const Order order : orders) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 5) {
             Query original(pair.a, pair.b);
-            const Decision stopped = original.decide(pair.poses[i], {order}, {3});
+            const Decision stopped = original.decide(pair.poses[i], DecideSettings::exact(order), {3});
             if (stopped.certain) {
                 continue;
             }
@@ -270,7 +270,7 @@ TEST(Laws, NothingToResume) {
     EXPECT_EQ(query.resume({}).stop, StopReason::invalidInput);
     query.resumeContacts({}, contacts);
     EXPECT_EQ(contacts.stop, StopReason::invalidInput);
-    (void)query.decide(Pose{}, {}, {2});
+    (void)query.decide(Pose{}, DecideSettings::exact(), {2});
     query.resumeLeafPairs({}, leaves);
     EXPECT_EQ(leaves.stop, StopReason::invalidInput);
     EXPECT_TRUE(query.resume({}).certain);
@@ -288,7 +288,7 @@ TEST(Laws, EveryInstructionSetGivesTheSameBytes) {
                 limitInstructionSet(set);
                 Query query(pair.a, pair.b);
                 for (std::size_t i = 0; i < pair.poses.size(); ++i) {
-                    const Decision decision = query.decide(pair.poses[i], {order});
+                    const Decision decision = query.decide(pair.poses[i], DecideSettings::exact(order));
                     const Contacts found = query.contacts(pair.poses[i], {0.01F, order}, {300});
                     LeafPairs touching;
                     query.leafPairs(pair.poses[i], {0.01F, order}, {300}, touching);
@@ -313,7 +313,7 @@ TEST(Laws, SameTwice) {
         Query first(pair.a, pair.b);
         Query second(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {
-            EXPECT_TRUE(same(first.decide(pose), second.decide(pose)));
+            EXPECT_TRUE(same(first.decide(pose, DecideSettings::exact()), second.decide(pose, DecideSettings::exact())));
             expectSame(first.contacts(pose, {0.01F}), second.contacts(pose, {0.01F}));
         }
     }

@@ -45,7 +45,7 @@ TEST(Refit, ToTheSamePlaceIsTheBuild) {
         refit(tree, kind.mesh.vertices);
         EXPECT_EQ(std::memcmp(tree.nodes.data(), built.nodes.data(), built.nodes.size() * sizeof(Node)), 0)
             << kind.name;
-        EXPECT_EQ(std::memcmp(tree.moments.data(), built.moments.data(), built.moments.size() * sizeof(NodeMoments)),
+        EXPECT_EQ(std::memcmp(tree.distributions.data(), built.distributions.data(), built.distributions.size() * sizeof(NodeDistribution)),
                   0);
         EXPECT_EQ(tree.radius, built.radius);
     }
@@ -63,7 +63,7 @@ TEST(Refit, QueriesAnswerForTheNewShape) {
         Query query(tree, other);
         for (int i = 0; i < 10; ++i, ++poses) {
             const Pose pose = randomPose(tree, other, random);
-            const Decision decision = query.decide(pose);
+            const Decision decision = query.decide(pose, DecideSettings::exact());
             colliding += decision.collides ? 1 : 0;
             if (decision.collides != bruteForceDecide(moved.view(), kind.mesh.view(), pose)) {
                 EXPECT_LE(std::abs(bruteForceClearance(moved.view(), kind.mesh.view(), pose)), 1e-6 * sizeOf(tree))
@@ -87,7 +87,7 @@ TEST(Refit, ZeroAreaTrianglesMayBecomeReal) {
     EXPECT_THAT(findings(tree), ::testing::IsEmpty());
     const Tree ball = build(scenes::sphere(0.2F, 3).view());
     Query query(tree, ball);
-    EXPECT_TRUE(query.decide({Eigen::Matrix3f::Identity(), {5, 1, 1}}).collides);
+    EXPECT_TRUE(query.decide({Eigen::Matrix3f::Identity(), {5, 1, 1}}, DecideSettings::exact()).collides);
 }
 
 TEST(Refit, RefusesAndLeavesTheTreeAlone) {

@@ -32,7 +32,7 @@ Answers answer(const Tree& tree, const FclModel& model, const std::vector<Pose>&
     Answers answers;
     Query query(tree, tree);
     for (const Pose& pose : poses) {
-        answers.ours.push_back(query.decide(pose));
+        answers.ours.push_back(query.decide(pose, DecideSettings::exact()));
         answers.theirs.push_back(static_cast<char>(model.decide(model, pose)));
     }
     return answers;
@@ -59,7 +59,7 @@ Timing measure(const Tree& tree, const FclModel& model, const std::vector<Pose>&
             const auto runOurs = [&] {
                 const double start = report::threadCpuUs();
                 for (std::size_t i = begin; i < end; ++i) {
-                    collisions += query.decide(poses[i]).collides ? 1U : 0U;
+                    collisions += query.decide(poses[i], DecideSettings::exact()).collides ? 1U : 0U;
                 }
                 ours += report::threadCpuUs() - start;
             };
@@ -87,7 +87,7 @@ Timing measure(const Tree& tree, const FclModel& model, const std::vector<Pose>&
         Query query(tree, tree);
         for (std::size_t i = 0; i < poses.size(); ++i) {
             const double start = report::wallUs();
-            collisions += query.decide(poses[i]).collides ? 1U : 0U;
+            collisions += query.decide(poses[i], DecideSettings::exact()).collides ? 1U : 0U;
             timing.ourQueriesUs[i] = std::min(timing.ourQueriesUs[i], report::wallUs() - start);
         }
     }

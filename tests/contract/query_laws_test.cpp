@@ -43,12 +43,12 @@ void expectSameContacts(const std::map<Key, float>& one, const std::map<Key, flo
 /// Is the answer at this pose decided by more than rounding? Asked of slightly displaced poses.
 bool robust(const Tree& a, const Tree& b, const Pose& pose, float step) {
     Query query(a, b);
-    const bool answer = query.decide(pose).collides;
+    const bool answer = query.decide(pose, DecideSettings::exact()).collides;
     for (int axis = 0; axis < 3; ++axis) {
         for (const float sign : {-1.0F, 1.0F}) {
             Pose moved = pose;
             moved.translation[axis] += sign * step;
-            if (query.decide(moved).collides != answer) {
+            if (query.decide(moved, DecideSettings::exact()).collides != answer) {
                 return false;
             }
         }
@@ -75,8 +75,8 @@ TEST_P(QueryLaws, SwapGivesTheSameAnswer) {
             continue;
         }
         ++settled;
-        const Decision one = forth.decide(pose);
-        const Decision other = back.decide(inverse(pose));
+        const Decision one = forth.decide(pose, DecideSettings::exact());
+        const Decision other = back.decide(inverse(pose), DecideSettings::exact());
         EXPECT_EQ(one.collides, other.collides);
         EXPECT_TRUE(one.certain && other.certain);
         colliding += one.collides ? 1 : 0;
@@ -113,7 +113,7 @@ TEST_P(QueryLaws, RigidMotionOfBothChangesNothing) {
         const Pose moved = compose(motion, poses[i]);
         if (robust(a, b, poses[i], 1e-5F * size)) {
             ++settled;
-            EXPECT_EQ(before.decide(poses[i]).collides, after.decide(moved).collides);
+            EXPECT_EQ(before.decide(poses[i], DecideSettings::exact()).collides, after.decide(moved, DecideSettings::exact()).collides);
         }
         if (i % 5 == 0) {
             const auto one = distancesOf(before.contacts(poses[i], near), false);
@@ -159,7 +159,7 @@ Answers ask(const Tree& a, const Tree& b, const std::vector<Pose>& poses, Order 
     Query query(a, b);
     const ContactSettings near{.maxDistance = 0.02F * sizeOf(a), .order = order};
     for (std::size_t i = 0; i < poses.size(); ++i) {
-        answers.decisions.push_back(query.decide(poses[i], {.order = order}));
+        answers.decisions.push_back(query.decide(poses[i], DecideSettings::exact(order)));
         if (i % 5 == 0) {
             answers.contacts.push_back(query.contacts(poses[i], near));
         }
@@ -188,8 +188,8 @@ TEST_P(QueryLaws, StoppedAndResumedEqualsUninterrupted) {
         for (const Pose& pose : poses) {
             Query whole(a, b);
             Query parts(a, b);
-            const Decision expected = whole.decide(pose, {.order = order});
-            Decision decision = parts.decide(pose, {.order = order}, {.work = random.bits() % 4});
+            const Decision expected = whole.decide(pose, DecideSettings::exact(order));
+            Decision decision = parts.decide(pose, DecideSettings::exact(order), {.work = random.bits() % 4});
             while (!decision.certain) {
                 ASSERT_EQ(decision.stop, StopReason::budget);
                 ++stops;
@@ -219,7 +219,7 @@ TEST_P(QueryLaws, ABudgetIsKeptAndMoreOfItIsNeverWorse) {
         std::size_t found = 0;
         for (const std::uint64_t work : {0U, 1U, 4U, 16U, 64U, 256U}) {
             Query query(a, b);
-            const Decision decision = query.decide(poses[i], {.order = Order::bestFirst}, {.work = work});
+            const Decision decision = query.decide(poses[i], DecideSettings::exact(Order::bestFirst), {.work = work});
             EXPECT_LE(decision.work, work);
             const Contacts contacts =
                 query.contacts(poses[i], {.maxDistance = 0.02F * size, .order = Order::bestFirst}, {.work = work});
@@ -240,7 +240,7 @@ TEST_P(QueryLaws, BadInputIsAStatus) {
     bad[2].rotation *= 2;
     bad[3].rotation(1, 2) = nan;
     for (const Pose& pose : bad) {
-        EXPECT_EQ(query.decide(pose).stop, StopReason::invalidInput);
+        EXPECT_EQ(query.decide(pose, DecideSettings::exact()).stop, StopReason::invalidInput);
         const Contacts contacts = query.contacts(pose, {.maxDistance = 0.1F});
         EXPECT_EQ(contacts.stop, StopReason::invalidInput);
         EXPECT_TRUE(contacts.pairs.empty());
@@ -249,7 +249,7 @@ TEST_P(QueryLaws, BadInputIsAStatus) {
         EXPECT_EQ(query.contacts({}, {.maxDistance = distance}).stop, StopReason::invalidInput);
     }
     // ... and does not spoil the next question.
-    EXPECT_EQ(query.decide(poses[0]).collides, Query(a, b).decide(poses[0]).collides);
+    EXPECT_EQ(query.decide(poses[0], DecideSettings::exact()).collides, Query(a, b).decide(poses[0], DecideSettings::exact()).collides);
 }
 
 INSTANTIATE_TEST_SUITE_P(AllPairs, QueryLaws, testing::Range(0, 4),

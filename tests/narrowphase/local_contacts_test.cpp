@@ -53,7 +53,7 @@ Pose posed(const MeshModel& a, const MeshModel& b, double gap, test::Random& ran
     Query query(a.tree, b.tree);
     const auto clear = [&](float t) {
         pose.translation = t * direction;
-        return !query.decide(pose).collides;
+        return !query.decide(pose, DecideSettings::exact()).collides;
     };
     float far = a.tree.radius + b.tree.radius;
     const float step = far / 100;

@@ -30,7 +30,7 @@ double trueDepth(const Body& a, const Body& b, const Pose& bInA) {
 }
 
 bool collides(const Body& a, const Body& b, const Pose& bInA) {
-    return Query(a.model.tree, b.model.tree).decide(bInA).collides;
+    return Query(a.model.tree, b.model.tree).decide(bInA, DecideSettings::exact()).collides;
 }
 
 std::vector<SurfaceContact> cutContacts(const Body& a, const Body& b, const Pose& bInA,

@@ -56,7 +56,7 @@ void compareWithCgal(const scenes::Mesh& mesh, const std::string& name, std::siz
     for (const Pose& pose : set.poses) {
         cgal.set_transformation(moving, toCgal(pose));
         const bool theirs = !cgal.get_all_intersections(moving).empty();
-        const bool ours = query.decide(pose).collides;
+        const bool ours = query.decide(pose, DecideSettings::exact()).collides;
         colliding += theirs ? 1U : 0U;
         if (ours != theirs) {
             EXPECT_LT(std::abs(bruteForceClearance(mesh.view(), mesh.view(), pose)), 1e-6 * size) << name;

@@ -122,7 +122,7 @@ std::vector<Pose> grazingPoses(const Tree& a, const Tree& b, int count, double g
         double touching = -1;
         for (int step = 1; step <= steps; ++step) {
             const double distance = far * (1 - static_cast<double>(step) / steps);
-            if (query.decide(at(distance)).collides) {
+            if (query.decide(at(distance), DecideSettings::exact()).collides) {
                 touching = distance;
                 break;
             }
@@ -133,7 +133,7 @@ std::vector<Pose> grazingPoses(const Tree& a, const Tree& b, int count, double g
         }
         while (clear - touching > 1e-5 * size) {
             const double middle = 0.5 * (clear + touching);
-            (query.decide(at(middle)).collides ? touching : clear) = middle;
+            (query.decide(at(middle), DecideSettings::exact()).collides ? touching : clear) = middle;
         }
         poses.push_back(at(clear + gap * size));
     }

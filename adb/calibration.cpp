@@ -1,0 +1,176 @@
+#include <grapeshot/adb/calibration.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include <grapeshot/adb/detail/default_calibration.hpp>
+#include <grapeshot/core/error.hpp>
+
+namespace grapeshot {
+namespace {
+
+constexpr double firstKnot = -10;
+constexpr double knotsPerOctave = 2;
+constexpr std::string_view title = "grapeshot calibration";
+
+float interpolated(const Calibration::Row& row, float rate) noexcept {
+    const double place = (std::log2(std::max(double{rate}, 1e-30)) - firstKnot) * knotsPerOctave;
+    const double inside = std::clamp(place, 0.0, double{Calibration::knots - 1});
+    const auto before = std::min(static_cast<std::size_t>(inside), Calibration::knots - 2);
+    const double share = inside - static_cast<double>(before);
+    return static_cast<float>((1 - share) * double{row[before]} + share * double{row[before + 1]});
+}
+
+/// Reads a text line by line, and says where it stopped making sense.
+class Reader {
+  public:
+    Reader(std::string_view text, const std::string& source) : m_rest(text), m_source(source) {}
+
+    /// Of the next line that is not empty, what comes after `key`.
+    std::string_view after(std::string_view key) {
+        const std::string_view line = next();
+        if (!line.starts_with(key)) {
+            fail("'" + std::string(line.substr(0, 40)) + "' where '" + std::string(key) + "' should be");
+        }
+        std::string_view value = line.substr(key.size());
+        value.remove_prefix(std::min(value.find_first_not_of(' '), value.size()));
+        return value;
+    }
+
+    std::vector<float> numbers(std::string_view key, std::size_t count) {
+        std::string_view rest = after(key);
+        std::vector<float> values;
+        while (!rest.empty()) {
+            float value = 0;
+            const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+            if (error != std::errc() || !std::isfinite(value)) {
+                fail("'" + std::string(rest.substr(0, rest.find(' '))) + "' is no number");
+            }
+            values.push_back(value);
+            rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+            rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+        }
+        if (values.size() != count) {
+            fail(std::to_string(values.size()) + " numbers where " + std::to_string(count) + " should be");
+        }
+        return values;
+    }
+
+    Calibration::Row probabilities(std::string_view key) {
+        const std::vector<float> values = numbers(key, Calibration::knots);
+        Calibration::Row row{};
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            if (!(values[i] >= 0 && values[i] <= 1)) {
+                fail(std::to_string(values[i]) + " is no probability");
+            }
+            if (i > 0 && values[i] < values[i - 1]) {
+                fail("probability " + std::to_string(values[i]) + " after " + std::to_string(values[i - 1]) +
+                     ": they must not fall");
+            }
+            row[i] = values[i];
+        }
+        return row;
+    }
+
+    void end() {
+        if (!m_rest.empty() && m_rest.find_first_not_of(" \r\n") != std::string_view::npos) {
+            static_cast<void>(next());
+            fail("more than there should be");
+        }
+    }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(Fault::badFile, what, m_source + ":" + std::to_string(m_line));
+    }
+
+  private:
+    std::string_view next() {
+        while (!m_rest.empty()) {
+            const std::size_t end = m_rest.find('\n');
+            std::string_view line = m_rest.substr(0, end);
+            m_rest.remove_prefix(end == std::string_view::npos ? m_rest.size() : end + 1);
+            ++m_line;
+            if (line.ends_with('\r')) {
+                line.remove_suffix(1);
+            }
+            if (!line.empty()) {
+                return line;
+            }
+        }
+        ++m_line;
+        fail("the text ends here");
+    }
+
+    std::string_view m_rest;
+    std::string m_source;
+    int m_line = 0;
+};
+
+}  // namespace
+
+const Calibration& defaultCalibration() {
+    static const Calibration calibration = calibrationFrom(detail::defaultCalibrationText, "default calibration");
+    return calibration;
+}
+
+float probabilityAfter(const Calibration& calibration, float rate, std::uint64_t steps) noexcept {
+    const auto row = static_cast<std::size_t>(std::bit_width(std::max(steps, std::uint64_t{1}) - 1));
+    return interpolated(calibration.bySteps[std::min(row, Calibration::stepRows - 1)], rate);
+}
+
+float probabilityAfterwards(const Calibration& calibration, float rate, std::uint64_t exactSteps) noexcept {
+    const auto row = static_cast<std::size_t>(std::bit_width(exactSteps / 4));
+    return interpolated(calibration.afterwards[std::min(row, Calibration::afterRows - 1)], rate);
+}
+
+std::string toText(const Calibration& calibration) {
+    std::ostringstream out;
+    const auto number = [&out](float value) {
+        char digits[32];
+        out << ' ' << std::string_view(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
+    };
+    out << title << ' ' << Calibration::version << '\n';
+    out << "poses " << calibration.poses << '\n';
+    out << "formula";
+    number(calibration.formula.constant);
+    number(calibration.formula.distance);
+    number(calibration.formula.length);
+    out << '\n';
+    const auto rows = [&](std::string_view key, const auto& table) {
+        for (const Calibration::Row& row : table) {
+            out << key;
+            std::for_each(row.begin(), row.end(), number);
+            out << '\n';
+        }
+    };
+    rows("steps", calibration.bySteps);
+    rows("afterwards", calibration.afterwards);
+    return out.str();
+}
+
+Calibration calibrationFrom(std::string_view text, const std::string& source) {
+    Reader reader(text, source);
+    const std::string_view version = reader.after(title);
+    if (version != std::to_string(Calibration::version)) {
+        reader.fail("version '" + std::string(version.substr(0, 20)) + "', not " +
+                    std::to_string(Calibration::version));
+    }
+    Calibration out;
+    out.poses = reader.after("poses");
+    const std::vector<float> formula = reader.numbers("formula", 3);
+    out.formula = {formula[0], formula[1], formula[2]};
+    for (Calibration::Row& row : out.bySteps) {
+        row = reader.probabilities("steps");
+    }
+    for (Calibration::Row& row : out.afterwards) {
+        row = reader.probabilities("afterwards");
+    }
+    reader.end();
+    return out;
+}
+
+}  // namespace grapeshot

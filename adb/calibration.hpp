@@ -1,0 +1,54 @@
+// What the sum of rates is worth: the probability that two meshes collide, from what a traversal has seen of them.
+//
+// This work is based on:
+// Jan Klein, Gabriel Zachmann. ADB-Trees: Controlling the Error of Time-Critical Collision Detection. VMV 2003, eq. 4
+// (a probability per pair of nodes; here the pairs of a cut are taken for a Poisson field, whose rates add up, and what
+// comes of it is put right by a table: 1 - exp(-rate) claims too much, because neighbouring pairs are alike)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace grapeshot {
+
+/// The rate at which two pieces of surface meet is 2^(constant + distance D^2 + length L), with the D^2 and L of
+/// adb/README.md.
+struct RateFormula {
+    float constant = 0;
+    float distance = 0;
+    float length = 0;
+};
+
+/// A formula and a table, fitted together. A value; immutable once it is in use.
+struct Calibration {
+    static constexpr int version = 1;            ///< of the text form
+    static constexpr std::size_t stepRows = 8;   ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
+    static constexpr std::size_t afterRows = 8;  ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
+    static constexpr std::size_t knots = 41;     ///< log2 of the rate: -10, -9.5, ..., 10
+    using Row = std::array<float, knots>;        ///< probabilities that the meshes collide, not falling
+
+    std::string poses;  ///< what it holds for, in words; one line
+    RateFormula formula;
+    std::array<Row, stepRows> bySteps{};     ///< while the estimate goes on
+    std::array<Row, afterRows> afterwards{};  ///< when the exact part that follows has not ended yet; rate: the last one
+};
+
+/// Fitted on generated meshes and Zachmann's procedure (see data/README.md); compiled in.
+[[nodiscard]] const Calibration& defaultCalibration();
+
+/// P(collide) when `steps` >= 1 steps have left a cut of this rate > 0. Linear between knots, constant beyond the last.
+[[nodiscard]] float probabilityAfter(const Calibration& calibration, float rate, std::uint64_t steps) noexcept;
+/// P(collide) when the estimate ended with this rate, and `exactSteps` more have found nothing yet.
+[[nodiscard]] float probabilityAfterwards(const Calibration& calibration, float rate,
+                                          std::uint64_t exactSteps) noexcept;
+
+/// As text: what `calibrationFrom` reads. The numbers come back to the last bit.
+[[nodiscard]] std::string toText(const Calibration& calibration);
+/// @param source names the text in errors
+/// @throws Error badFile: of another version, truncated, more than there should be, a number that is none or out of
+/// range (probabilities outside [0, 1] or falling), with its line
+[[nodiscard]] Calibration calibrationFrom(std::string_view text, const std::string& source);
+
+}  // namespace grapeshot

@@ -1,0 +1,151 @@
+#include <grapeshot/adb/detail/estimate.hpp>
+
+#include <grapeshot/core/detail/leaf_triangles.hpp>
+#include <grapeshot/core/detail/wide_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+// NOLINTNEXTLINE(bugprone-macro-parentheses)
+#define HWY_TARGET_INCLUDE <grapeshot/adb/detail/estimate.cpp>
+#include <hwy/foreach_target.h>
+
+#include <grapeshot/adb/detail/child_sides.hpp>
+#include <grapeshot/adb/detail/surface_pair.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace grapeshot::detail::HWY_NAMESPACE {
+
+/// A pair's children: which of the sixteen touch, and how close they are.
+struct Tested {
+    std::uint32_t mask;
+    Closeness closeness;
+};
+HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Side b) {
+    Tested out;
+    const std::uint32_t meant =
+        withChildren(descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
+            Float16 apart[3];
+            out.mask = touching(*pose.pose, marginsOf(pose, childrenA, childrenB, apart));
+            out.closeness = closenessOf(*pose.pose, childrenA, childrenB, apart);
+        });
+    out.mask &= meant;
+    return out;
+}
+
+/// Appends the lanes of the mask to the cut. `rates` is 0 in the others.
+HWY_INLINE void append(Cut& cut, const FourSides& a, const FourSides& b, Float16 rates, std::uint32_t mask) {
+    writeLanes(rates, mask, cut.rates + cut.count);
+    cut.count += writeLanes(a, b, mask, cut.sidesA + cut.count, cut.sidesB + cut.count);
+#if HWY_TARGET != HWY_AVX3
+    storeU(wide(0), cut.rates + cut.count);  // there, what was not picked has come out as zero
+#endif
+}
+
+/// Takes the entry with the largest rate (of equal ones the first) out; the last one moves to its place.
+HWY_INLINE SidePair takeLargest(Cut& cut) {
+    Float16 largest = load(cut.rates);
+    for (std::size_t i = 16; i < cut.count; i += 16) {
+        largest = max(largest, load(cut.rates + i));
+    }
+    const float rate = largestLane(largest);
+    std::size_t place = 0;
+    for (std::size_t i = 0; i < cut.count; i += 16) {
+        const std::uint32_t mask = bits(load(cut.rates + i) == wide(rate));
+        if (mask != 0) {
+            place = i + static_cast<std::size_t>(__builtin_ctz(mask));
+            break;
+        }
+    }
+    const SidePair pair = sidePair(cut.sidesA[place], cut.sidesB[place]);
+    const std::size_t last = --cut.count;
+    cut.sidesA[place] = cut.sidesA[last];
+    cut.sidesB[place] = cut.sidesB[last];
+    cut.rates[place] = cut.rates[last];
+    cut.rates[last] = 0;
+    cut.rate = cut.count == 0 || cut.rate < rate ? 0 : cut.rate - rate;
+    return pair;
+}
+
+EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
+                       std::uint32_t mostSteps, std::uint64_t units) {
+    const WidePose pose = widened(descent.prepared);
+    for (;;) {
+        if (cut.count == 0) {
+            return EstimateEnd::exhausted;
+        }
+        const std::size_t row = cut.steps < limitSteps ? cut.steps : limitSteps - 1;
+        if (cut.rate >= limits.yes[row] || cut.rate <= limits.no[row]) {
+            return EstimateEnd::limit;
+        }
+        if (cut.steps >= mostSteps || cut.count > mostOfCut) {
+            return EstimateEnd::handOver;
+        }
+        if (units == 0) {
+            return EstimateEnd::budget;
+        }
+        --units;
+        ++descent.work;
+        SidePair pair = 0;
+        if (cut.steps == 0) {
+            cut.count = 0;
+            cut.rate = 0;
+            pair = sidePair(cut.sidesA[0], cut.sidesB[0]);
+        } else {
+            pair = takeLargest(cut);
+        }
+        ++cut.steps;
+        if (bothLeaves(pair)) {
+            descent.lanes = overlapsLeaves(blockA(descent, pair).corner, blockB(descent, pair).corner, descent.pose);
+            if (descent.lanes != 0) {
+                descent.found = pair;
+                return EstimateEnd::found;
+            }
+            continue;
+        }
+        const Side a = sideA(pair);
+        const Side b = sideB(pair);
+        const Tested tested = test(descent, pose, a, b);
+        const Float16 rates = roughExp2(wide(formula.constant) +
+                                        wide(formula.distance) * tested.closeness.squaredDistance +
+                                        wide(formula.length) * tested.closeness.length);
+        const Float16 counted = select(maskOf(tested.mask), rates, wide(0));
+        cut.rate = cut.rate + sum(counted);
+        append(cut, sidesOf(descent.nodesA, a), sidesOf(descent.nodesB, b), counted, tested.mask);
+    }
+}
+
+int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) {
+    const Tested tested = test(descent, widened(descent.prepared), sideA(pair), sideB(pair));
+    const FourSides a = sidesOf(descent.nodesA, sideA(pair));
+    const FourSides b = sidesOf(descent.nodesB, sideB(pair));
+    alignas(64) float squaredDistance[16];
+    alignas(64) float length[16];
+    store(tested.closeness.squaredDistance, squaredDistance);
+    store(tested.closeness.length, length);
+    int count = 0;
+    for (std::uint32_t rest = tested.mask; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        out[count++] = {sidePair(a.side[lane >> 2U], b.side[lane & 3U]), squaredDistance[lane], length[lane]};
+    }
+    return count;
+}
+
+}  // namespace grapeshot::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <grapeshot/core/detail/kernel_table.hpp>
+
+namespace grapeshot::detail {
+
+EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
+                       std::uint32_t mostSteps, std::uint64_t units) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toEstimate);
+    return kernel.chosen()(descent, cut, formula, limits, mostSteps, units);
+}
+
+int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(childPairs);
+    return kernel.chosen()(descent, pair, out);
+}
+
+}  // namespace grapeshot::detail
+#endif

@@ -1,0 +1,61 @@
+// The probabilistic descent: the likeliest pair of the cut is replaced by its children until the sum of the rates says
+// enough.
+//
+// This work is based on:
+// Jan Klein, Gabriel Zachmann. ADB-Trees: Controlling the Error of Time-Critical Collision Detection. VMV 2003, fig. 4
+// (best first by the estimated probability; here the rates of all pairs of the cut add up, and it stops on both sides)
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <grapeshot/adb/calibration.hpp>
+#include <grapeshot/adb/detail/descent.hpp>
+
+namespace grapeshot::detail {
+
+/// When to stop: after k steps at yes[k] or more, at no[k] or less. The last entry also stands for all later steps.
+inline constexpr std::size_t limitSteps = 64;
+struct RateLimits {
+    float yes[limitSteps];
+    float no[limitSteps];
+};
+
+/// A cut through the tree of pairs: every pair that touches lies below one of its entries, or was tested. Plain data,
+/// in borrowed memory.
+struct Cut {
+    Side* sidesA = nullptr;  ///< room for a multiple of 16 entries, at least 32 more than `count`
+    Side* sidesB = nullptr;
+    float* rates = nullptr;  ///< 0 from `count` to the next multiple of 16
+    std::size_t count = 0;
+    float rate = 0;           ///< sum of all rates
+    std::uint32_t steps = 0;  ///< taken, of either kind
+};
+/// A cut with more entries is not searched any further: looking for the likeliest costs more than it brings.
+inline constexpr std::size_t mostOfCut = 224;
+inline constexpr std::size_t cutCapacity = 256;
+static_assert(mostOfCut + 32 <= cutCapacity);
+
+enum class EstimateEnd {
+    exhausted,  ///< the cut is empty: the surfaces are apart
+    found,      ///< at Descent::found, which is off the cut: they intersect
+    limit,      ///< the rate is beyond a limit
+    handOver,   ///< `mostSteps` taken or the cut too large
+    budget,
+};
+
+/// From where the cut is, spending at most `units`.
+EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
+                       std::uint32_t mostSteps, std::uint64_t units) noexcept;
+
+/// What the rate of a pair of children is made of.
+struct ChildPair {
+    SidePair pair;
+    float squaredDistance;  ///< D^2
+    float length;           ///< L
+};
+/// Of the touching children of a pair that is not a pair of leaves, in the order of the lanes. For fitting and for
+/// contacts; one unit, not counted here.
+int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) noexcept;
+
+}  // namespace grapeshot::detail
