@@ -30,10 +30,12 @@ int main() {
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
-    for (btRigidBody* body : {&ground, &lower, &upper})
+    for (btRigidBody* body : {&ground, &lower, &upper}) {
         world.addRigidBody(body);
-    for (int step = 0; step < 300; ++step)
+    }
+    for (int step = 0; step < 300; ++step) {
         world.stepSimulation(btScalar(1) / 60, 0);
+    }
     const double low = lower.getCenterOfMassPosition().y(), high = upper.getCenterOfMassPosition().y();
     std::printf("After 5 s the two tori rest at %.3f m and %.3f m.\n", low, high);
     return low > 0.25 && low < 0.29 && high > 0.75 && high < 0.83 ? 0 : 1;

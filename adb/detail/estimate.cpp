@@ -34,9 +34,7 @@ HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Sid
 HWY_INLINE void append(Cut& cut, const FourSides& a, const FourSides& b, Float16 rates, std::uint32_t mask) {
     writeLanes(rates, mask, cut.rates + cut.count);
     cut.count += writeLanes(a, b, mask, cut.sidesA + cut.count, cut.sidesB + cut.count);
-#if HWY_TARGET != HWY_AVX3
-    storeU(wide(0), cut.rates + cut.count);  // there, what was not picked has come out as zero
-#endif
+    storeU(wide(0), cut.rates + cut.count);  // up to the next multiple of 16, where another query may have been
 }
 
 /// Takes the entry with the largest rate (of equal ones the first) out; the last one moves to its place.

@@ -307,7 +307,7 @@ int demo(const Options& options) {
 }  // namespace
 }  // namespace grapeshot::cannonball
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what CLI11 says of wrong declarations
     using namespace grapeshot::cannonball;
     Options options;
     CLI::App app(

@@ -155,7 +155,7 @@ class Builder {
         for (std::size_t i = 0; i < m_settings.furtherBalls.size(); ++i) {
             const Mesh ball = normalised(m_settings.furtherBalls[i], static_cast<float>(m_settings.furtherBallSize));
             const double x = -0.9 + 0.9 * static_cast<double>(i % 3);
-            const double z = -9 - 1.5 * static_cast<double>(i / 3);
+            const double z = -9 - 1.5 * static_cast<double>(i / 3);  // NOLINT(bugprone-integer-division): rows of three
             shoot("mesh " + std::to_string(i + 1), ball, furtherBallMass, at({x, 2.0, z}), {{0, 3.5, 18}, {1, 2, 1}});
         }
     }

@@ -327,9 +327,9 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     }
     if (bent == 0U) {  // two flat pieces, or an edge's end over one: a sharp corner has bent edges
         out.any = any;
-        for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                out.corners[i][j] = 0;
+        for (auto& row : out.corners) {
+            for (auto& lanes : row) {
+                lanes = 0;
             }
         }
         return;

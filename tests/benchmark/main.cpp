@@ -6,6 +6,7 @@
 
 #include <report/report.hpp>
 #include "decide_suite.hpp"
+#include "fit_suite.hpp"
 #include "options.hpp"
 #include "paper_suite.hpp"
 #include "scene_suite.hpp"
@@ -25,6 +26,7 @@ int run(const grapeshot::bench::Options& options) {
         }
     }
     const report::Report results = options.suite == "decide"  ? runDecideSuite(options)
+                                   : options.suite == "fit"   ? runFitSuite(options)
                                    : options.suite == "paper" ? runPaperSuite(options)
                                                               : runSceneSuite(options);
     std::cout << report::table(results);

@@ -1,12 +1,16 @@
 #include "options.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 
 namespace grapeshot::bench {
 
 namespace {
+
+constexpr std::string_view suites[] = {"decide", "fit", "paper", "scene"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -78,9 +82,12 @@ Options parse(int argumentCount, const char* const* arguments) {
             options.seed = number(argument, next(), std::uint64_t{0}, ~std::uint64_t{0});
         } else if (argument == "--json") {
             options.jsonFile = next();
+        } else if (argument == "--output") {
+            options.outputFile = next();
         } else if (argument == "--isa") {
             options.instructionSet = instructionSetNamed(next());
-        } else if (options.suite.empty() && (argument == "decide" || argument == "paper" || argument == "scene")) {
+        } else if (options.suite.empty() &&
+                   std::find(std::begin(suites), std::end(suites), argument) != std::end(suites)) {
             options.suite = argument;
         } else {
             throw std::invalid_argument("'" + std::string(argument) + "' is not understood");
@@ -96,6 +103,7 @@ std::string usage() {
     return R"(grapeshot_bench SUITE [options]
 
   decide   exact yes/no against FCL, Zachmann's procedure
+  fit      the formula and table of the ADB-trees' probabilities, on meshes that no other suite reports
   paper    the ADB-tree paper of 2003: error and time per distance, beside the published curves
   scene    Bullet scenes against GImpact
 
@@ -108,6 +116,7 @@ std::string usage() {
   --repetitions N       of every timed measurement
   --seed S              of poses and scenes
   --isa SET             scalar, avx2 or avx512 at most
+  --output FILE         write the calibration there (fit)
   --json FILE           write the rows there
 
 Exit code: 0 all claims hold, 1 a claim failed, 2 bad use.

@@ -28,6 +28,7 @@ struct Options {
     std::optional<int> repetitions;      ///< of every timed measurement
     std::uint64_t seed = 20031119;
     std::string jsonFile;
+    std::string outputFile;  ///< the calibration (fit)
     std::optional<InstructionSet> instructionSet;
     bool help = false;
 };

@@ -63,8 +63,10 @@ World makePile(Engine engine, const PileSettings& settings) {
     test::Random random(settings.seed);
     for (int i = 0; i < settings.bodies; ++i) {
         const int place = i % 9;
-        const Eigen::Vector3d centre{layer * (place % 3 - 1) + random.uniform(-0.05, 0.05), 1.3 + layer * (i / 9),
-                                     layer * (place / 3 - 1) + random.uniform(-0.05, 0.05)};
+        const int row = place / 3;
+        const int floor = i / 9;
+        const Eigen::Vector3d centre{layer * (place % 3 - 1) + random.uniform(-0.05, 0.05), 1.3 + layer * floor,
+                                     layer * (row - 1) + random.uniform(-0.05, 0.05)};
         const std::size_t mesh = meshes[static_cast<std::size_t>(i) % meshes.size()];
         world.addBody(mesh, {random.rotation().cast<double>(), centre}, 1);
     }

@@ -31,7 +31,7 @@ class MeshImport : public ::testing::Test {
     ~MeshImport() override { fs::remove_all(m_directory); }
 
     fs::path write(const std::string& fileName, const std::string& content) const {
-        const fs::path file = m_directory / fileName;
+        fs::path file = m_directory / fileName;
         std::ofstream(file, std::ios::binary) << content;
         return file;
     }

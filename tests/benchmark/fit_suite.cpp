@@ -1,0 +1,163 @@
+#include "fit_suite.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+
+#include <support/poses.hpp>
+
+#include "fit_meshes.hpp"
+#include "pair_walk.hpp"
+#include "rate_fit.hpp"
+#include "table_fit.hpp"
+
+namespace grapeshot::bench {
+
+namespace {
+
+constexpr int distances = 12;
+/// What orders the walk before there is a formula; anything near will do.
+constexpr RateFormula firstGuess{-0.4F, -0.65F, 0.57F};
+constexpr std::uint32_t longestWalk = 96;
+constexpr std::uint32_t estimateSteps = 4;  ///< of the default settings
+
+/// Children of the last of one to twelve steps, three in ten of them.
+void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random& random,
+                 std::vector<PairSample>& samples) {
+    PairWalk walk(tree, tree);
+    for (const Pose& pose : poses) {
+        if (!walk.start(pose)) {
+            continue;
+        }
+        const std::uint64_t steps = random.bits() % 12;
+        detail::EstimateEnd end = detail::EstimateEnd::budget;
+        for (std::uint64_t i = 0; i < steps && end == detail::EstimateEnd::budget; ++i) {
+            end = walk.estimate(firstGuess);
+        }
+        if (end != detail::EstimateEnd::budget || walk.cut().count == 0) {
+            continue;
+        }
+        const float* const likeliest =
+            std::max_element(walk.cut().rates, walk.cut().rates + walk.cut().count);
+        const auto place = static_cast<std::size_t>(likeliest - walk.cut().rates);
+        const detail::SidePair pair = detail::sidePair(walk.cut().sidesA[place], walk.cut().sidesB[place]);
+        if (detail::bothLeaves(pair)) {
+            continue;
+        }
+        detail::ChildPair children[16];
+        const int count = walk.children(pair, children);
+        for (int i = 0; i < count; ++i) {
+            if (random.unit() < 0.3) {
+                samples.push_back({children[i].squaredDistance, children[i].length, walk.overlaps(children[i].pair)});
+            }
+        }
+    }
+}
+
+using Seen = std::vector<std::pair<float, bool>>;
+struct Tables {
+    Seen bySteps[Calibration::stepRows];
+    Seen afterwards[Calibration::afterRows];
+};
+
+/// The rate after every step of each pose, and what came of it.
+void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& formula, Tables& tables) {
+    PairWalk walk(tree, tree);
+    for (const Pose& pose : poses) {
+        if (!walk.start(pose)) {
+            continue;
+        }
+        const bool collides = walk.overlaps(detail::sidePair(0, 0));
+        for (std::uint32_t step = 1; step <= longestWalk; ++step) {
+            if (walk.estimate(formula) != detail::EstimateEnd::budget || walk.cut().rate <= 0) {
+                break;  // certain
+            }
+            const auto row = static_cast<std::size_t>(std::bit_width(step - 1));
+            tables.bySteps[std::min(row, Calibration::stepRows - 1)].emplace_back(walk.cut().rate, collides);
+            if (step == estimateSteps) {
+                std::uint64_t exactSteps = 0;
+                if (walk.overlapsBelowCut(exactSteps) != collides) {
+                    throw std::logic_error("the cut has lost a pair");
+                }
+                for (std::size_t after = 0; after < Calibration::afterRows; ++after) {
+                    const std::uint64_t taken = after == 0 ? 0 : std::uint64_t{2} << after;
+                    if (exactSteps > taken) {
+                        tables.afterwards[after].emplace_back(walk.cut().rate, collides);
+                    }
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+
+report::Report runFitSuite(const Options& options) {
+    const int perMesh = options.poses.value_or(options.quick ? 600 : 24'000);
+    std::vector<Tree> trees;
+    for (const NamedMesh& mesh : fitMeshes(options.quick)) {
+        trees.push_back(build(mesh.mesh.view()));
+    }
+    const auto posesOf = [&](const Tree& tree, std::uint64_t seed) {
+        return test::zachmannPoses(tree, tree, distances, (perMesh + distances - 1) / distances, seed).poses;
+    };
+    test::Random random(options.seed);
+    std::vector<PairSample> samples;
+    for (const Tree& tree : trees) {
+        samplePairs(tree, posesOf(tree, random.bits()), random, samples);
+    }
+    Calibration calibration;
+    calibration.formula = fitRates(samples);
+    calibration.poses = "two copies of a generated mesh, twelve centre distances from 0.2 to 1.05 of the mean bounding "
+                        "diameter, uniform directions and rotations";
+    Tables tables;
+    for (const Tree& tree : trees) {
+        watch(tree, posesOf(tree, random.bits()), calibration.formula, tables);
+    }
+    report::Report results{.suite = "fit", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
+    report::Row pairs;
+    pairs.scenario = "pairs";
+    pairs.mesh = "all";
+    pairs.method = "rates";
+    pairs.n = samples.size();
+    pairs.measured = {{"logLoss", logLoss(samples, calibration.formula)},
+                      {"areaUnderCurve", areaUnderCurve(samples, calibration.formula)},
+                      {"constant", calibration.formula.constant},
+                      {"distance", calibration.formula.distance},
+                      {"length", calibration.formula.length}};
+    results.rows.push_back(pairs);
+    const auto fill = [&](const char* scenario, const auto& seen, auto& table) {
+        for (std::size_t row = 0; row < table.size(); ++row) {
+            if (seen[row].empty()) {
+                table[row] = table[row == 0 ? 0 : row - 1];  // a small sample may not reach so far
+                continue;
+            }
+            table[row] = fitRow(seen[row]);
+            report::Row line;
+            line.scenario = scenario + std::to_string(row);
+            line.mesh = "all";
+            line.method = "table";
+            line.n = seen[row].size();
+            line.colliding = static_cast<double>(
+                std::count_if(seen[row].begin(), seen[row].end(), [](const auto& one) { return one.second; }));
+            results.rows.push_back(line);
+        }
+    };
+    fill("steps", tables.bySteps, calibration.bySteps);
+    fill("afterwards", tables.afterwards, calibration.afterwards);
+    results.claims.push_back({"area under the curve of the pairs' rates", pairs.measured[1].second, true, 0.9});
+    if (!options.outputFile.empty()) {
+        std::ofstream file(options.outputFile);
+        file << toText(calibration);
+        file.close();
+        if (!file) {
+            throw std::runtime_error("cannot write '" + options.outputFile + "'");
+        }
+    }
+    return results;
+}
+
+}  // namespace grapeshot::bench

@@ -1,0 +1,43 @@
+// The descent into two trees, step by step, for those who look at what it sees.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <grapeshot/adb/detail/estimate.hpp>
+#include <grapeshot/core/budget.hpp>
+
+namespace grapeshot::bench {
+
+/// Owns the memory that a descent works on.
+class PairWalk {
+  public:
+    PairWalk(const Tree& a, const Tree& b);
+    PairWalk(const PairWalk&) = delete;
+    PairWalk& operator=(const PairWalk&) = delete;
+
+    /// False if the balls around the meshes are apart. Then there is nothing to walk.
+    bool start(const Pose& bInA);
+    /// One more step of the estimate from the root on.
+    detail::EstimateEnd estimate(const RateFormula& formula);
+    [[nodiscard]] const detail::Cut& cut() const { return m_cut; }
+    /// What a pair of the last pose consists of.
+    int children(detail::SidePair pair, detail::ChildPair (&out)[16]) const;
+    /// Do any triangles below two sides intersect, in the last pose? Exact.
+    [[nodiscard]] bool overlaps(detail::SidePair pair);
+    /// The same for all pairs of the cut, likeliest first, as a query does it after the estimate. `steps`: taken.
+    [[nodiscard]] bool overlapsBelowCut(std::uint64_t& steps);
+
+  private:
+    bool descend(std::uint64_t& steps);
+    void lend();
+
+    detail::Descent m_descent;
+    std::vector<detail::Side> m_stackA, m_stackB;
+    detail::Cut m_cut;
+    std::vector<detail::Side> m_cutA, m_cutB;
+    alignas(64) float m_rates[detail::cutCapacity] = {};
+    float m_radiusA, m_radiusB;
+};
+
+}  // namespace grapeshot::bench
