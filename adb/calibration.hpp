@@ -31,8 +31,9 @@ struct Calibration {
 
     std::string poses;  ///< what it holds for, in words; one line
     RateFormula formula;
-    std::array<Row, stepRows> bySteps{};     ///< while the estimate goes on
-    std::array<Row, afterRows> afterwards{};  ///< when the exact part that follows has not ended yet; rate: the last one
+    std::array<Row, stepRows> bySteps{};  ///< while the estimate goes on
+    std::array<Row, afterRows>
+        afterwards{};  ///< when the exact part that follows has not ended yet; rate: the last one
 };
 
 /// Fitted on generated meshes and Zachmann's procedure (see data/README.md); compiled in.

@@ -34,7 +34,8 @@ std::pair<float, float> limitsAfter(const Calibration& calibration, std::uint64_
             const float p = probabilityAfter(calibration, static_cast<float>(std::exp2(middle)), steps);
             ((orEqual ? p >= probability : p > probability) ? high : low) = middle;
         }
-        return std::pair(static_cast<float>(std::exp2(low)), high < range ? static_cast<float>(std::exp2(high)) : never);
+        return std::pair(static_cast<float>(std::exp2(low)),
+                         high < range ? static_cast<float>(std::exp2(high)) : never);
     };
     const float yes = acceptAt < 1 ? above(acceptAt, true).second : never;
     const float no = rejectAt > 0 ? above(rejectAt, false).first : 0;
@@ -335,6 +336,15 @@ Decision Query::State::goOn(const Budget& budget) {
     decision.probability = decision.collides ? probability : 1 - probability;
     decision.stop = sure ? StopReason::probability : StopReason::budget;
     return decision;
+}
+
+bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode) noexcept {
+    if (answer == Answer::mostLikely || decision.certain) {
+        return decision.collides;
+    }
+    constexpr std::uint32_t draw = 0x616e7377;  // apart from all other draws of the pair
+    const float probability = decision.collides ? decision.probability : 1 - decision.probability;
+    return randomUnit(episode, draw) < probability;
 }
 
 Query::Query(const Tree& a, const Tree& b) : m_state(std::make_unique<State>(a, b)) {}

@@ -15,6 +15,7 @@
 #include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/pose.hpp>
+#include <grapeshot/core/random.hpp>
 
 namespace grapeshot {
 
@@ -24,15 +25,16 @@ enum class Order {
     bestFirst,   ///< deepest box overlap of all first; best when the budget may end it
 };
 
-/// How sure is sure enough. An estimate comes first, then the exact traversal goes on from what it left: by default only
-/// where the estimate is not sure. Wrong by 0.05 % or less on poses such as those of the calibration, and exact in doubt.
+/// How sure is sure enough. An estimate comes first, then the exact traversal goes on from what it left: by default
+/// only where the estimate is not sure. Wrong by 0.05 % or less on poses such as those of the calibration, and exact in
+/// doubt.
 struct DecideSettings {
     /// Best-first steps, one unit each, that the estimate may take; 0: exact from the start. The probability says the
     /// more the more steps; with `unlimited` it never hands over to the exact traversal, which is for queries that will
     /// be stopped anyway.
     std::uint64_t estimateSteps = 4;
-    float acceptAt = 0.9995F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
-    float rejectAt = 0.0005F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
+    float acceptAt = 0.999F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
+    float rejectAt = 0.001F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
     /// Null: the default one. Must stay where it is as long as the query is used.
     const Calibration* calibration = nullptr;
     Order order = Order::depthFirst;  ///< of the exact traversal if there is no estimate before it; else depth first
@@ -53,14 +55,25 @@ struct TrianglePair {
 /// Do the surfaces intersect? (A mesh wholly inside another does not: see `contains` in point_query.hpp.)
 struct Decision {
     bool collides = false;
-    /// P(the answer `collides` is true), by the calibration: 0.5 to 1, and 1 only when certain. When the budget ended it
-    /// before the first step, or an exact traversal without an estimate: 0.5, nothing known, and `collides` is true.
+    /// P(the answer `collides` is true), by the calibration: 0.5 to 1, and 1 only when certain. When the budget ended
+    /// it before the first step, or an exact traversal without an estimate: 0.5, nothing known, and `collides` is true.
     float probability = 0.5F;
     bool certain = false;
     StopReason stop = StopReason::invalidInput;
     std::uint64_t work = 0;  ///< work units since `decide`, resumed parts included
     TrianglePair witness;    ///< an intersecting pair, if certain and colliding
 };
+
+/// How an answer that is not certain is taken.
+enum class Answer {
+    mostLikely,  ///< as Decision has it
+    sample,      ///< drawn from its probability: over many seeds each outcome comes as often as it should
+};
+
+/// Do they collide? A certain decision is what it is. Else the draw belongs to the key: take as its `step` the one in
+/// which the two came so near that they could not be told apart, and keep it until the answer is certain again; then
+/// the answer does not flicker from step to step, and only turns when the probability has moved across the draw.
+[[nodiscard]] bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode) noexcept;
 
 /// Two leaf blocks, by index.
 struct LeafPair {
@@ -117,9 +130,9 @@ class Query {
 
     /// Estimate, then exact, as the settings say; ends when sure enough, or certainly at the first intersecting pair.
     Decision decide(const Pose& bInA, const DecideSettings& settings = {}, Budget budget = {});
-    /// Goes on where the last `decide` stopped. The end does not depend on where it was stopped by its budget. If it had
-    /// stopped because it was sure enough, it goes on until it is certain.
-    /// StopReason::invalidInput if there is nothing to resume (no decide before).
+    /// Goes on where the last `decide` stopped. The end does not depend on where it was stopped by its budget. If it
+    /// had stopped because it was sure enough, it goes on until it is certain. StopReason::invalidInput if there is
+    /// nothing to resume (no decide before).
     Decision resume(Budget budget);
 
     /// All triangle pairs with signedDistance <= maxDistance. `out` is cleared and its memory kept.

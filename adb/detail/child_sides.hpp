@@ -54,8 +54,8 @@ HWY_INLINE std::uint32_t withChildren(const Descent& descent, Side a, Side b, co
     return 0x1111U;
 }
 
-/// Writes the sides of the lanes of the mask to outA and outB, in the order of the lanes. Returns how many. Up to sixteen
-/// entries from the first on are overwritten, those behind the last with anything.
+/// Writes the sides of the lanes of the mask to outA and outB, in the order of the lanes. Returns how many. Up to
+/// sixteen entries from the first on are overwritten, those behind the last with anything.
 HWY_INLINE std::size_t writeLanes(const FourSides& a, const FourSides& b, std::uint32_t mask, Side* outA, Side* outB) {
 #if HWY_TARGET == HWY_SCALAR
     std::size_t count = 0;

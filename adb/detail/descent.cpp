@@ -23,8 +23,8 @@ struct Tested {
 template <Nearest nearest>
 HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Side b) {
     Tested out;
-    const std::uint32_t meant =
-        withChildren(descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
+    const std::uint32_t meant = withChildren(
+        descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
             Float16 apart[3];
             out.key = marginsOf(pose, childrenA, childrenB, apart);
             out.mask = touching(*pose.pose, out.key);

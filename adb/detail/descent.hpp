@@ -23,7 +23,7 @@ struct Descent {
     Side* stackA = nullptr;  ///< the pairs still to be taken up, the next one last: A's and B's sides
     Side* stackB = nullptr;
     std::size_t depth = 0;
-    std::size_t capacity = 0;  ///< of both, at least stackRoom more than `depth`
+    std::size_t capacity = 0;          ///< of both, at least stackRoom more than `depth`
     void (*grow)(Descent&) = nullptr;  ///< makes the capacity larger
     void* owner = nullptr;             ///< for `grow`
     std::uint64_t work = 0;            ///< units spent

@@ -20,8 +20,8 @@ struct Tested {
 };
 HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Side b) {
     Tested out;
-    const std::uint32_t meant =
-        withChildren(descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
+    const std::uint32_t meant = withChildren(
+        descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
             Float16 apart[3];
             out.mask = touching(*pose.pose, marginsOf(pose, childrenA, childrenB, apart));
             out.closeness = closenessOf(*pose.pose, childrenA, childrenB, apart);
@@ -101,9 +101,9 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         const Side a = sideA(pair);
         const Side b = sideB(pair);
         const Tested tested = test(descent, pose, a, b);
-        const Float16 rates = roughExp2(wide(formula.constant) +
-                                        wide(formula.distance) * tested.closeness.squaredDistance +
-                                        wide(formula.length) * tested.closeness.length);
+        const Float16 rates =
+            roughExp2(wide(formula.constant) + wide(formula.distance) * tested.closeness.squaredDistance +
+                      wide(formula.length) * tested.closeness.length);
         const Float16 counted = select(maskOf(tested.mask), rates, wide(0));
         cut.rate = cut.rate + sum(counted);
         append(cut, sidesOf(descent.nodesA, a), sidesOf(descent.nodesB, b), counted, tested.mask);

@@ -34,8 +34,8 @@ HWY_INLINE Float4 abs(Float4 a) {
 }
 template <typename Integer>
 HWY_INLINE Float4 fourNumbers(const Integer* p) {
-    return {Lanes{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]),
-                  static_cast<float>(p[3])}};
+    return {
+        Lanes{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), static_cast<float>(p[3])}};
 }
 HWY_INLINE Float16 together(Float4 a, Float4 b, Float4 c, Float4 d) {
     return {{a.lane, b.lane, c.lane, d.lane}};
@@ -147,7 +147,8 @@ HWY_INLINE Float16 turnOf(const float* p, int which) {
 #else
 HWY_INLINE Float16 turnOf(const float* p, int which) {
     alignas(64) static constexpr std::int32_t lanes[2][8] = {{0, 0, 0, 0, 1, 1, 1, 1}, {2, 2, 2, 2, 3, 3, 3, 3}};
-    const auto eight = one::TableLookupLanes(one::LoadDup128(Register8(), p), one::SetTableIndices(Register8(), lanes[which]));
+    const auto eight =
+        one::TableLookupLanes(one::LoadDup128(Register8(), p), one::SetTableIndices(Register8(), lanes[which]));
 #if HWY_TARGET == HWY_AVX2
     return {one::Abs(eight), eight};
 #else
@@ -159,8 +160,8 @@ HWY_INLINE Float16 turnOf(const float* p, int which) {
 /// A prepared pose in registers.
 struct WidePose {
     const PairPose* pose;
-    /// Four products of a 3 x 3 matrix at once: entry (row, column) of |R|, |R^T|, R and R^T in the four quarters of the
-    /// lanes. Makes B's half extents those in A's frame, A's in B's frame, B's normals in A's frame, A's in B's.
+    /// Four products of a 3 x 3 matrix at once: entry (row, column) of |R|, |R^T|, R and R^T in the four quarters of
+    /// the lanes. Makes B's half extents those in A's frame, A's in B's frame, B's normals in A's frame, A's in B's.
     Float16 turn[3][3];
 };
 HWY_INLINE WidePose widened(const PairPose& pose) {
@@ -210,8 +211,8 @@ HWY_INLINE Float16 marginsOf(const WidePose& widePose, SideA a, SideB b, Float16
     Float16 apartInB[3];
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        apartInB[i] = wide(pose.row[0][i]) * apart[0] + wide(pose.row[1][i]) * apart[1] +
-                      wide(pose.row[2][i]) * apart[2];
+        apartInB[i] =
+            wide(pose.row[0][i]) * apart[0] + wide(pose.row[1][i]) * apart[1] + wide(pose.row[2][i]) * apart[2];
     }
 
     const Float16 halfA[3] = {a.wideOf(nodeA.half[0]), a.wideOf(nodeA.half[1]), a.wideOf(nodeA.half[2])};

@@ -77,7 +77,7 @@ PoseVerdict prepare(const Pose& bInA, float radiusA, float radiusB, float maxDis
     if (((sound[0] & sound[1]) & (sound[2] & sound[3])) == 0 || !(triple[0] + triple[1] + triple[2] > 0)) {
         return PoseVerdict::invalid;
     }
-    constexpr float up = 1 + 0x1p-19F;  // more than what is rounded away below
+    constexpr float up = 1 + 0x1p-19F;                           // more than what is rounded away below
     const float distance = std::min(maxDistance, maxInflation);  // infinity would make NaN of the products below
     const float reach = (radiusA + radiusB * (1 + 2 * skew)) * up;
     const float shift = std::sqrt(squaredShift);

@@ -60,8 +60,8 @@ struct Query::State {
     Decision decision;
 
     DecideSettings settings;
-    bool estimating = false;    ///< the cut holds what is left, not the stack or the queue
-    bool ignoreLimits = false;  ///< it was sure enough once
+    bool estimating = false;      ///< the cut holds what is left, not the stack or the queue
+    bool ignoreLimits = false;    ///< it was sure enough once
     std::uint64_t exactFrom = 0;  ///< work when the estimate handed over
     detail::RateLimits limits{};  ///< of `settings`
     const Calibration* limitsOf = nullptr;

@@ -1,8 +1,8 @@
 // Sums, largest lanes, and rough powers and logarithms of sixteen floats: the same bytes on every instruction set.
 //
 // This work is based on:
-// Nicol Schraudolph. A Fast, Compact Approximation of the Exponential Function. Neural Computation 11(4), 1999 (the bits
-// of a float, taken for a number, are its logarithm to base 2, linear between powers of two)
+// Nicol Schraudolph. A Fast, Compact Approximation of the Exponential Function. Neural Computation 11(4), 1999 (the
+// bits of a float, taken for a number, are its logarithm to base 2, linear between powers of two)
 //
 // Included once per instruction set, after <grapeshot/core/detail/wide.hpp>; the toggle is Highway's idiom.
 #if defined(GRAPESHOT_CORE_DETAIL_WIDE_MATH_HPP) == defined(HWY_TARGET_TOGGLE)

@@ -148,7 +148,8 @@ TEST(Decide, IsTrueOnDegenerateMeshes) {
     Query stack(single, many);
     for (std::size_t i = 0; i < 50; ++i) {
         const Pose pose = randomPose(single, single, random);
-        EXPECT_EQ(stack.decide(pose, DecideSettings::exact()).collides, one.decide(pose, DecideSettings::exact()).collides);
+        EXPECT_EQ(stack.decide(pose, DecideSettings::exact()).collides,
+                  one.decide(pose, DecideSettings::exact()).collides);
     }
 }
 

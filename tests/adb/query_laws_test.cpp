@@ -62,8 +62,9 @@ constexpr Order orders[] = {Order::depthFirst, Order::bestFirst};
 TEST(Laws, SampleIsRepresentative) {
     for (const Case& pair : cases()) {
         Query query(pair.a, pair.b);
-        const auto colliding = std::count_if(pair.poses.begin(), pair.poses.end(),
-                                             [&](const Pose& pose) { return query.decide(pose, DecideSettings::exact()).collides; });
+        const auto colliding = std::count_if(pair.poses.begin(), pair.poses.end(), [&](const Pose& pose) {
+            return query.decide(pose, DecideSettings::exact()).collides;
+        });
         EXPECT_GT(colliding, static_cast<std::ptrdiff_t>(pair.poses.size() / 5));
         EXPECT_LT(colliding, static_cast<std::ptrdiff_t>(pair.poses.size() * 9 / 10));
     }
@@ -75,7 +76,8 @@ TEST(Laws, SwappedBodiesCollideAlike) {
         Query swapped(pair.b, pair.a);
         const double size = sizeOf(pair.a) + sizeOf(pair.b);
         for (const Pose& pose : pair.poses) {
-            if (query.decide(pose, DecideSettings::exact()).collides != swapped.decide(inverse(pose), DecideSettings::exact()).collides) {
+            if (query.decide(pose, DecideSettings::exact()).collides !=
+                swapped.decide(inverse(pose), DecideSettings::exact()).collides) {
                 EXPECT_LE(std::abs(bruteForceClearance(pair.a.mesh(), pair.b.mesh(), pose)), 1e-6 * size);
             }
             const auto count = static_cast<double>(query.contacts(pose, {0.02F}).pairs.size());
@@ -99,7 +101,8 @@ TEST(Laws, MovingBothBodiesChangesNothing) {
         const Tree moved = build({vertices, pair.a.triangles});
         Query movedQuery(moved, pair.b);
         const Pose movedPose = compose(frame, pair.poses[i]);
-        if (query.decide(pair.poses[i], DecideSettings::exact()).collides != movedQuery.decide(movedPose, DecideSettings::exact()).collides) {
+        if (query.decide(pair.poses[i], DecideSettings::exact()).collides !=
+            movedQuery.decide(movedPose, DecideSettings::exact()).collides) {
             EXPECT_LE(std::abs(bruteForceClearance(pair.a.mesh(), pair.b.mesh(), pair.poses[i])),
                       1e-6 * (sizeOf(pair.a) + sizeOf(pair.b)));
         }
@@ -313,7 +316,8 @@ TEST(Laws, SameTwice) {
         Query first(pair.a, pair.b);
         Query second(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {
-            EXPECT_TRUE(same(first.decide(pose, DecideSettings::exact()), second.decide(pose, DecideSettings::exact())));
+            EXPECT_TRUE(
+                same(first.decide(pose, DecideSettings::exact()), second.decide(pose, DecideSettings::exact())));
             expectSame(first.contacts(pose, {0.01F}), second.contacts(pose, {0.01F}));
         }
     }

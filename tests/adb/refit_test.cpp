@@ -45,7 +45,8 @@ TEST(Refit, ToTheSamePlaceIsTheBuild) {
         refit(tree, kind.mesh.vertices);
         EXPECT_EQ(std::memcmp(tree.nodes.data(), built.nodes.data(), built.nodes.size() * sizeof(Node)), 0)
             << kind.name;
-        EXPECT_EQ(std::memcmp(tree.distributions.data(), built.distributions.data(), built.distributions.size() * sizeof(NodeDistribution)),
+        EXPECT_EQ(std::memcmp(tree.distributions.data(), built.distributions.data(),
+                              built.distributions.size() * sizeof(NodeDistribution)),
                   0);
         EXPECT_EQ(tree.radius, built.radius);
     }

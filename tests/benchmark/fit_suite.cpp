@@ -40,8 +40,7 @@ void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random&
         if (end != detail::EstimateEnd::budget || walk.cut().count == 0) {
             continue;
         }
-        const float* const likeliest =
-            std::max_element(walk.cut().rates, walk.cut().rates + walk.cut().count);
+        const float* const likeliest = std::max_element(walk.cut().rates, walk.cut().rates + walk.cut().count);
         const auto place = static_cast<std::size_t>(likeliest - walk.cut().rates);
         const detail::SidePair pair = detail::sidePair(walk.cut().sidesA[place], walk.cut().sidesB[place]);
         if (detail::bothLeaves(pair)) {
@@ -111,8 +110,9 @@ report::Report runFitSuite(const Options& options) {
     }
     Calibration calibration;
     calibration.formula = fitRates(samples);
-    calibration.poses = "two copies of a generated mesh, twelve centre distances from 0.2 to 1.05 of the mean bounding "
-                        "diameter, uniform directions and rotations";
+    calibration.poses =
+        "two copies of a generated mesh, twelve centre distances from 0.2 to 1.05 of the mean bounding "
+        "diameter, uniform directions and rotations";
     Tables tables;
     for (const Tree& tree : trees) {
         watch(tree, posesOf(tree, random.bits()), calibration.formula, tables);

@@ -1,6 +1,6 @@
 // This work is based on:
-// Miriam Ayer et al. An Empirical Distribution Function for Sampling with Incomplete Information. Ann. Math. Stat. 26(4),
-// 1955 (pooling adjacent violators)
+// Miriam Ayer et al. An Empirical Distribution Function for Sampling with Incomplete Information. Ann. Math. Stat.
+// 26(4), 1955 (pooling adjacent violators)
 #include "table_fit.hpp"
 
 #include <algorithm>

@@ -113,7 +113,8 @@ TEST_P(QueryLaws, RigidMotionOfBothChangesNothing) {
         const Pose moved = compose(motion, poses[i]);
         if (robust(a, b, poses[i], 1e-5F * size)) {
             ++settled;
-            EXPECT_EQ(before.decide(poses[i], DecideSettings::exact()).collides, after.decide(moved, DecideSettings::exact()).collides);
+            EXPECT_EQ(before.decide(poses[i], DecideSettings::exact()).collides,
+                      after.decide(moved, DecideSettings::exact()).collides);
         }
         if (i % 5 == 0) {
             const auto one = distancesOf(before.contacts(poses[i], near), false);
@@ -249,7 +250,8 @@ TEST_P(QueryLaws, BadInputIsAStatus) {
         EXPECT_EQ(query.contacts({}, {.maxDistance = distance}).stop, StopReason::invalidInput);
     }
     // ... and does not spoil the next question.
-    EXPECT_EQ(query.decide(poses[0], DecideSettings::exact()).collides, Query(a, b).decide(poses[0], DecideSettings::exact()).collides);
+    EXPECT_EQ(query.decide(poses[0], DecideSettings::exact()).collides,
+              Query(a, b).decide(poses[0], DecideSettings::exact()).collides);
 }
 
 INSTANTIATE_TEST_SUITE_P(AllPairs, QueryLaws, testing::Range(0, 4),

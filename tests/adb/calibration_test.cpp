@@ -1,0 +1,105 @@
+// The table from rates to probabilities, and its text.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include <grapeshot/adb/calibration.hpp>
+#include <grapeshot/core/error.hpp>
+
+namespace grapeshot::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Calibration, ProbabilitiesRiseWithTheRate) {
+    const Calibration& calibration = defaultCalibration();
+    for (const std::uint64_t steps : {1U, 2U, 3U, 7U, 12U, 30U, 50U, 64U, 65U, 1000U}) {
+        float before = 0;
+        float beforeAfterwards = 0;
+        for (double octaves = -14; octaves <= 14; octaves += 0.1) {
+            const auto rate = static_cast<float>(std::exp2(octaves));
+            const float p = probabilityAfter(calibration, rate, steps);
+            const float afterwards = probabilityAfterwards(calibration, rate, steps);
+            EXPECT_TRUE(p >= before && p <= 1) << steps << " " << octaves;
+            EXPECT_TRUE(afterwards >= beforeAfterwards && afterwards <= 1);
+            before = p;
+            beforeAfterwards = afterwards;
+        }
+        EXPECT_LT(probabilityAfter(calibration, 1e-4F, steps), 0.01F);
+    }
+    EXPECT_GT(probabilityAfter(calibration, 200, 1), 0.99F);
+}
+
+TEST(Calibration, RowsAndKnotsAreWhereTheyShouldBe) {
+    Calibration calibration;
+    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+        for (std::size_t knot = 0; knot < Calibration::knots; ++knot) {
+            calibration.bySteps[row][knot] = 0.1F * static_cast<float>(row) + 0.005F * static_cast<float>(knot);
+        }
+    }
+    const std::uint64_t steps[] = {1, 2, 4, 8, 16, 32, 64, 65};
+    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+        EXPECT_NEAR(probabilityAfter(calibration, 1, steps[row]), 0.1 * static_cast<double>(row) + 0.1, 1e-6);
+    }
+    EXPECT_NEAR(probabilityAfter(calibration, 1, 3), 0.3, 1e-6);
+    EXPECT_NEAR(probabilityAfter(calibration, std::exp2(0.25F), 1), 0.1025, 1e-6);  // half-way to the next knot
+    EXPECT_NEAR(probabilityAfter(calibration, 1e30F, 1), 0.2, 1e-6);
+    EXPECT_NEAR(probabilityAfter(calibration, 0, 1), 0, 1e-6);
+}
+
+TEST(Calibration, TextComesBackToTheLastBit) {
+    const Calibration& first = defaultCalibration();
+    const std::string text = toText(first);
+    const Calibration second = calibrationFrom(text, "copy");
+    EXPECT_EQ(second.poses, first.poses);
+    EXPECT_EQ(second.formula.constant, first.formula.constant);
+    EXPECT_EQ(second.formula.distance, first.formula.distance);
+    EXPECT_EQ(second.formula.length, first.formula.length);
+    EXPECT_EQ(second.bySteps, first.bySteps);
+    EXPECT_EQ(second.afterwards, first.afterwards);
+    EXPECT_EQ(toText(second), text);
+}
+
+void expectRefusal(const std::string& text, const std::string& what) {
+    try {
+        (void)calibrationFrom(text, "table.txt");
+        FAIL() << what;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.fault(), Fault::badFile);
+        EXPECT_THAT(error.what(), HasSubstr(what));
+        EXPECT_THAT(error.what(), HasSubstr("table.txt:"));
+    }
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+    return text;
+}
+
+TEST(Calibration, NamesWhatIsWrongWithAText) {
+    const std::string good = toText(defaultCalibration());
+    expectRefusal("", "the text ends here");
+    expectRefusal("something else\n", "'something else' where 'grapeshot calibration' should be");
+    expectRefusal(replaced(good, "calibration 1", "calibration 2"), "version '2', not 1");
+    expectRefusal(replaced(good, "formula ", "formula 7 "), "4 numbers where 3 should be");
+    expectRefusal(replaced(good, "steps ", "steps nan "), "is no number");
+    expectRefusal(replaced(good, "steps ", "steps 1.5 "), "42 numbers where 41 should be");
+    expectRefusal(good + "steps 1\n", "more than there should be");
+    // Cut off anywhere, it is refused, unless nothing but the end of the last line is gone.
+    for (std::size_t length = 0; length + 1 < good.size(); length += 97) {
+        EXPECT_THROW((void)calibrationFrom(good.substr(0, length), "cut"), Error) << length;
+    }
+    Calibration bad = defaultCalibration();
+    bad.bySteps[2][40] = 1.01F;
+    expectRefusal(toText(bad), "is no probability");
+    bad = defaultCalibration();
+    bad.afterwards[1][0] = 0.9F;
+    bad.afterwards[1][1] = 0.8F;
+    expectRefusal(toText(bad), "they must not fall");
+    EXPECT_NO_THROW((void)calibrationFrom(good.substr(0, good.size() - 1), "no last line feed"));
+}
+
+}  // namespace
+}  // namespace grapeshot::test
