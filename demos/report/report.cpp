@@ -48,6 +48,18 @@ std::string object(const NamedNumbers& numbers) {
     return text + "}";
 }
 
+std::string object(const NamedCurves& curves) {
+    std::string text = "{";
+    for (const auto& [name, values] : curves) {
+        text += (text.size() > 1 ? ", " : "") + quoted(name) + ": [";
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            text += (i > 0 ? ", " : "") + number(values[i]);
+        }
+        text += "]";
+    }
+    return text + "}";
+}
+
 NamedNumbers named(const Quantiles& q) {
     return {{"p50", q.p50}, {"p95", q.p95}, {"p99", q.p99}, {"max", q.max}, {"mean", q.mean}};
 }
@@ -59,7 +71,8 @@ std::string json(const Row& row) {
            ", \"falseNegatives\": " + number(row.falseNegatives) +
            ", \"falsePositives\": " + number(row.falsePositives) + ", \"colliding\": " + number(row.colliding) +
            ", \"timeUs\": " + object(named(row.timeUs)) + ", \"work\": " + object(row.work) +
-           ", \"measured\": " + object(row.measured) + ", \"ratio\": " + number(row.ratio) + "}";
+           ", \"measured\": " + object(row.measured) + ", \"curves\": " + object(row.curves) +
+           ", \"ratio\": " + number(row.ratio) + "}";
 }
 
 /// Cells of one row: name of the column and text.

@@ -2,7 +2,8 @@
 //
 // One schema for all suites: {suite, commit, cpu, isa, compiler, seed, quick, rows: [{scenario, mesh, triangles,
 // method, peer, n, falseNegatives, falsePositives, colliding, timeUs {p50, p95, p99, max, mean}, work {...}, measured
-// {...}, ratio}], claims: [{claim, value, relation, bound, holds}]}. Numbers that do not apply are null.
+// {...}, curves {name: [...]}, ratio}], claims: [{claim, value, relation, bound, holds}]}. Numbers that do not apply
+// are null.
 #pragma once
 
 #include <cstdint>
@@ -29,6 +30,7 @@ struct Quantiles {
 [[nodiscard]] double spread(const std::vector<double>& values);
 
 using NamedNumbers = std::vector<std::pair<std::string, double>>;
+using NamedCurves = std::vector<std::pair<std::string, std::vector<double>>>;
 
 struct Row {
     std::string scenario, mesh;
@@ -39,6 +41,7 @@ struct Row {
     Quantiles timeUs;
     NamedNumbers work;             ///< counts: the same on every machine
     NamedNumbers measured;         ///< other results of the scenario, unit in the name
+    NamedCurves curves;            ///< results over something, say a distance: in JSON only, a table has no room
     double ratio = notApplicable;  ///< the peer's time / the method's
 };
 

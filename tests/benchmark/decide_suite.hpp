@@ -1,4 +1,5 @@
-// Exact yes/no of two copies of a mesh, against FCL, on Zachmann's procedure.
+// Yes or no of two copies of a mesh: exact, estimated, and both at once, against FCL and other engines, and against
+// what else could be done with as little time.
 #pragma once
 
 #include <report/report.hpp>

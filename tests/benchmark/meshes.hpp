@@ -13,8 +13,11 @@ struct NamedMesh {
     scenes::Mesh mesh;
 };
 
-/// Generated, 1k to 100k triangles, box diagonal 2; `quick` leaves out those beyond 10k.
+/// What is reported: generated, 1k to 1M triangles, box diagonal 2; `quick` leaves out those beyond 10k.
 [[nodiscard]] std::vector<NamedMesh> generatedMeshes(bool quick);
+
+/// The reported ones, or the given files in their place.
+[[nodiscard]] std::vector<NamedMesh> reportedMeshes(const std::vector<std::string>& files, bool quick);
 
 /// The file, box diagonal scaled to 2. @throws Error as the importer does
 [[nodiscard]] NamedMesh fileMesh(const std::string& file);

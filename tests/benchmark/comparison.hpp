@@ -1,0 +1,43 @@
+// Methods on the same poses: who is wrong how often, and whose time is how many times whose.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <report/report.hpp>
+#include <support/poses.hpp>
+
+#include "peer.hpp"
+#include "truth.hpp"
+
+namespace grapeshot::bench {
+
+struct PosedPair {
+    std::string scenario, mesh;
+    std::size_t triangles;
+    const test::PoseSet& set;
+    const Truth& truth;
+};
+
+/// A row for each of the methods; the first is our exact traversal and the second FCL, and every row has the ratio to
+/// both. `measured`: errorPct, ratioToExact; `curves`: wrong answers by distance.
+[[nodiscard]] std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>& methods,
+                                               int repetitions);
+
+/// What a method does over all meshes of a scenario, from its rows.
+struct Overall {
+    std::string method;
+    std::size_t meshes = 0, poses = 0;
+    double ratioToFcl = 0, ratioToExact = 0;  ///< geometric means
+    double errorPercent = 0, worstErrorPercent = 0;
+    [[nodiscard]] report::Row row(const std::string& scenario) const;
+};
+[[nodiscard]] std::vector<Overall> overall(const std::vector<report::Row>& rows, const std::string& scenario);
+
+/// @throws std::logic_error if there is none
+[[nodiscard]] const Overall& of(const std::vector<Overall>& all, const std::string& method);
+
+/// A number of a row by its name; not applicable if it has none.
+[[nodiscard]] double measured(const report::Row& row, const std::string& name);
+
+}  // namespace grapeshot::bench
