@@ -26,7 +26,7 @@ Truth truthOf(const PaperModel& model, const Turns& turns) {
             truth.boxTests += static_cast<double>(byBoxes.volumeTests);
             truth.dopTests += static_cast<double>(byDops.volumeTests);
             truth.betweenExact += byBoxes.collides != byDops.collides ? 1U : 0U;
-            if (library.decide(pose).collides != byBoxes.collides) {
+            if (library.decide(pose, DecideSettings::exact()).collides != byBoxes.collides) {
                 const double gap = clearance(model.mesh.view(), model.mesh.view(), pose, 100 * borderline);
                 truth.withLibrary += std::abs(gap) > borderline ? 1U : 0U;
             }
