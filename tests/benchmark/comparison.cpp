@@ -12,8 +12,11 @@ namespace {
 
 /// Answers of one method, beside the truth.
 void addAnswers(const PosedPair& where, const Peer& method, report::Row& row) {
-    const std::size_t distances = where.set.distances.size();
-    std::vector<double> poses(distances, 0), colliding(distances, 0), misses(distances, 0), alarms(distances, 0);
+    const std::vector<double> none(where.set.distances.size(), 0);
+    std::vector<double> poses = none;
+    std::vector<double> colliding = none;
+    std::vector<double> misses = none;
+    std::vector<double> alarms = none;
     Errors errors;
     std::vector<double> work;
     for (std::size_t i = 0; i < where.set.poses.size(); ++i) {
@@ -45,7 +48,8 @@ void addAnswers(const PosedPair& where, const Peer& method, report::Row& row) {
 
 }  // namespace
 
-std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>& methods, int repetitions) {
+std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>& methods, int repetitions,
+                                 std::size_t peer) {
     const std::vector<Pose>& poses = where.set.poses;
     std::vector<Contender> contenders;
     for (const Peer& method : methods) {
@@ -59,18 +63,18 @@ std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>
         row.mesh = where.mesh;
         row.triangles = where.triangles;
         row.method = methods[i].name;
-        row.peer = methods[1].name;
+        row.peer = methods[peer].name;
         row.n = poses.size();
         row.colliding = static_cast<double>(where.truth.colliding);
         addAnswers(where, methods[i], row);
         row.timeUs = report::quantiles(leastUs(contenders[i], poses.size(), repetitions));
         row.timeUs.mean = report::median(times[i]);
         const std::vector<double> toExact = ratios(times[i], times[0]);
-        const std::vector<double> toFcl = ratios(times[i], times[1]);
-        row.ratio = report::median(toFcl);
+        const std::vector<double> toPeer = ratios(times[i], times[peer]);
+        row.ratio = report::median(toPeer);
         row.measured.insert(row.measured.end(), {{"ratioToExact", report::median(toExact)},
                                                  {"ratioToExactSpread", report::spread(toExact)},
-                                                 {"ratioSpread", report::spread(toFcl)}});
+                                                 {"ratioSpread", report::spread(toPeer)}});
     }
     return rows;
 }

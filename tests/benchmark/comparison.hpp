@@ -19,10 +19,11 @@ struct PosedPair {
     const Truth& truth;
 };
 
-/// A row for each of the methods; the first is our exact traversal and the second FCL, and every row has the ratio to
-/// both. `measured`: errorPct, ratioToExact; `curves`: wrong answers by distance.
+/// A row for each of the methods; the first is our exact traversal and the second, unless told otherwise, FCL, and
+/// every row has the ratio to both. `measured`: errorPct, ratioToExact; `curves`: wrong answers by distance.
+/// @param peer whose time `ratio` is about
 [[nodiscard]] std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>& methods,
-                                               int repetitions);
+                                               int repetitions, std::size_t peer = 1);
 
 /// What a method does over all meshes of a scenario, from its rows.
 struct Overall {

@@ -15,7 +15,8 @@ struct Gate {
     double errorPercent;
 };
 
-/// An estimate that never hands over to the exact traversal, by how sure it must be to stop.
+/// An estimate that never hands over to the exact traversal, by how sure it must be to stop; for poses without
+/// coherence.
 struct EstimateSetting {
     const char* name;
     float acceptAt, rejectAt;
@@ -25,7 +26,7 @@ struct EstimateSetting {
         result.estimateSteps = unlimited;
         result.acceptAt = acceptAt;
         result.rejectAt = rejectAt;
-        result.tryWitness = false;  // the poses have no coherence
+        result.tryWitness = false;
         return result;
     }
 };
@@ -34,8 +35,14 @@ inline constexpr EstimateSetting estimateSettings[] = {{"estimate4", 0.80F, 0.12
                                                        {"estimate07", 0.96F, 0.03F, {4, 0.7}},
                                                        {"estimate005", 0.998F, 0.002F, {2.3, 0.05}}};
 
-inline constexpr Gate hybridShuffled{2, 0.05};
-inline constexpr Gate hybridGrazing{0.98, 0.5};
+/// The default, on poses without coherence.
+[[nodiscard]] inline DecideSettings hybridShuffled() {
+    DecideSettings settings;
+    settings.tryWitness = false;
+    return settings;
+}
+inline constexpr Gate hybridShuffledGate{2, 0.05};
+inline constexpr Gate hybridGrazingGate{0.98, 0.5};
 
 /// FCL's time / that of the exact traversal.
 [[nodiscard]] inline std::optional<double> leastRatioToFcl() {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <report/report.hpp>
+#include "anytime_suite.hpp"
 #include "decide_suite.hpp"
 #include "fit_suite.hpp"
 #include "options.hpp"
@@ -25,10 +26,11 @@ int run(const grapeshot::bench::Options& options) {
             return badUse;
         }
     }
-    const report::Report results = options.suite == "decide"  ? runDecideSuite(options)
-                                   : options.suite == "fit"   ? runFitSuite(options)
-                                   : options.suite == "paper" ? runPaperSuite(options)
-                                                              : runSceneSuite(options);
+    const report::Report results = options.suite == "decide"    ? runDecideSuite(options)
+                                   : options.suite == "anytime" ? runAnytimeSuite(options)
+                                   : options.suite == "fit"     ? runFitSuite(options)
+                                   : options.suite == "paper"   ? runPaperSuite(options)
+                                                                : runSceneSuite(options);
     std::cout << report::table(results);
     if (!options.jsonFile.empty()) {
         std::ofstream file(options.jsonFile);

@@ -10,7 +10,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"decide", "fit", "paper", "scene"};
+constexpr std::string_view suites[] = {"decide", "anytime", "fit", "paper", "scene"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -107,12 +107,12 @@ std::string usage() {
   paper    the ADB-tree paper of 2003: error and time per distance, beside the published curves
   scene    Bullet scenes against GImpact
 
-  --mesh FILE...        these meshes instead of the generated ones (decide, paper)
+  --mesh FILE...        these meshes instead of the generated ones (decide, anytime, paper)
   --scenario NAME...    only these scenarios
   --quick               a small sample: answers are checked, times are printed but not claimed
-  --poses N             poses per mesh (decide), per distance (paper)
+  --poses N             poses per mesh (decide, anytime), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
-  --plots FOLDER        write the charts there (paper)
+  --plots FOLDER        write the charts there (anytime, paper)
   --repetitions N       of every timed measurement
   --seed S              of poses and scenes
   --isa SET             scalar, avx2 or avx512 at most

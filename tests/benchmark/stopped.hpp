@@ -21,10 +21,11 @@ inline constexpr std::array<std::uint64_t, 6> stepBudgets{1, 2, 4, 8, 16, 64};
     return settings;
 }
 
-/// Distance of the middles of the boxes, as a part of the mean bounding diameter.
+/// Distance of the middles of the boxes, as a part of the mean bounding diameter (of the balls about these middles).
 class RelativeDistance {
   public:
     RelativeDistance(const Tree& a, const Tree& b);
+    [[nodiscard]] double diameter() const { return m_diameter; }  ///< m
     [[nodiscard]] double operator()(const Pose& bInA) const {
         return static_cast<double>((bInA.rotation * m_middleB + bInA.translation - m_middleA).norm()) / m_diameter;
     }

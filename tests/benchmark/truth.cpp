@@ -36,4 +36,16 @@ Truth checkedTruth(const std::string& name, const Tree& a, const Tree& b, const 
     return truth;
 }
 
+Truth exactTruth(const Tree& a, const Tree& b, const std::vector<Pose>& poses) {
+    Query query(a, b);
+    Truth truth;
+    for (const Pose& pose : poses) {
+        const Decision decision = query.decide(pose, exactShuffled());
+        truth.uncertain += decision.certain ? 0U : 1U;
+        truth.colliding += decision.collides ? 1U : 0U;
+        truth.collides.push_back(decision.collides ? 1 : 0);
+    }
+    return truth;
+}
+
 }  // namespace grapeshot::bench
