@@ -9,6 +9,7 @@
 #include "comparison.hpp"
 #include "fit_meshes.hpp"
 #include "gates.hpp"
+#include "limits_scan.hpp"
 #include "meshes.hpp"
 #include "pose_sets.hpp"
 #include "stopped.hpp"
@@ -128,9 +129,12 @@ report::Report runDecideSuite(const Options& options) {
                       .slowPeers = quick ? 24 : 300,
                       .grazing = quick ? 120 : 1'200,
                       .repetitions = options.repetitions.value_or(quick ? 1 : 5)};
-    const StoppedPrior prior(fitMeshes(quick), quick ? 240 : 2'400, options.seed + 1);
-
     report::Report results{.suite = "decide", .seed = options.seed, .quick = quick, .rows = {}, .claims = {}};
+    if (std::ranges::find(options.scenarios, "limits") != options.scenarios.end()) {
+        results.rows = scanLimits(options);
+        return results;
+    }
+    const StoppedPrior prior(fitMeshes(quick), quick ? 240 : 2'400, options.seed + 1);
     Totals zachmann;
     Totals grazing;
     for (const NamedMesh& mesh : reportedMeshes(options.meshes, quick)) {

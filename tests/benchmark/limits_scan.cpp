@@ -1,0 +1,127 @@
+#include "limits_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit_meshes.hpp"
+#include "forecasts.hpp"
+#include "gates.hpp"
+#include "pose_sets.hpp"
+#include "stopped.hpp"
+
+namespace grapeshot::bench {
+
+namespace {
+
+constexpr std::size_t mostSteps = 96;
+
+/// What an estimate without limits goes through on one pose.
+struct Course {
+    std::vector<float> probabilities;  ///< after each step that left it uncertain
+    bool collides = false;
+    double wholeWork = 0;   ///< of the estimate to its end
+    double hybridWork = 0;  ///< if it hands over after the default number of steps
+};
+
+/// Limits are given as log2 of the odds, p / (1 - p).
+float probabilityOf(double log2Odds) {
+    return static_cast<float>(1 / (1 + std::exp2(-log2Odds)));
+}
+
+struct Cost {
+    double errorPercent = 0, worstErrorPercent = 0, work = 0;
+};
+
+Cost costOf(const std::vector<std::vector<Course>>& meshes, float acceptAt, float rejectAt, bool hybrid) {
+    Cost cost;
+    for (const std::vector<Course>& mesh : meshes) {
+        const std::size_t steps = hybrid ? DecideSettings().estimateSteps : mostSteps;
+        double errors = 0;
+        double work = 0;
+        for (const Course& course : mesh) {
+            const auto end = course.probabilities.begin() +
+                             static_cast<std::ptrdiff_t>(std::min(steps, course.probabilities.size()));
+            const auto stop = std::find_if(course.probabilities.begin(), end,
+                                           [&](float p) { return p >= acceptAt || p <= rejectAt; });
+            if (stop != end) {
+                work += static_cast<double>(stop - course.probabilities.begin()) + 1;
+                errors += (*stop >= acceptAt) != course.collides ? 1 : 0;
+            } else {
+                work += hybrid ? course.hybridWork : course.wholeWork;
+            }
+        }
+        const auto n = static_cast<double>(mesh.size());
+        cost.work += work / n / static_cast<double>(meshes.size());
+        cost.errorPercent += 100 * errors / n / static_cast<double>(meshes.size());
+        cost.worstErrorPercent = std::max(cost.worstErrorPercent, 100 * errors / n);
+    }
+    return cost;
+}
+
+std::vector<Course> coursesOf(const Tree& tree, const std::vector<Pose>& poses) {
+    DecideSettings handingOver = anytimeSettings();
+    handingOver.estimateSteps = DecideSettings().estimateSteps;
+    Query query(tree, tree);
+    Query hybrid(tree, tree);
+    std::vector<Course> courses;
+    for (const Pose& pose : poses) {
+        Course& course = courses.emplace_back();
+        Decision decision = query.decide(pose, anytimeSettings(), {.work = 1});
+        while (!decision.certain && course.probabilities.size() < mostSteps) {
+            course.probabilities.push_back(decision.collides ? decision.probability : 1 - decision.probability);
+            decision = query.resume({.work = 1});
+        }
+        decision = query.resume({});
+        course.collides = decision.collides;
+        course.wholeWork = static_cast<double>(decision.work);
+        course.hybridWork = static_cast<double>(hybrid.decide(pose, handingOver).work);
+    }
+    return courses;
+}
+
+}  // namespace
+
+std::vector<report::Row> scanLimits(const Options& options) {
+    /// The error on meshes that were not seen will be larger.
+    constexpr double safety = 0.75;
+    const int perMesh = options.poses.value_or(options.quick ? 240 : 6'000);
+    std::vector<std::vector<Course>> meshes;
+    for (const NamedMesh& mesh : fitMeshes(options.quick)) {
+        const Tree tree = build(mesh.mesh.view());
+        meshes.push_back(coursesOf(tree, zachmannSet(tree, perMesh, options.seed + 2).poses));
+    }
+    std::vector<report::Row> rows;
+    const auto addBest = [&](const std::string& method, const Gate& gate, bool hybrid) {
+        Cost best;
+        best.work = INFINITY;
+        float acceptAt = 1;
+        float rejectAt = 0;
+        for (double accept = 0.5; accept <= 16; accept += 0.5) {
+            for (double reject = 0.5; reject <= 16; reject += 0.5) {
+                const Cost cost = costOf(meshes, probabilityOf(accept), probabilityOf(-reject), hybrid);
+                if (cost.errorPercent <= safety * gate.errorPercent && cost.work < best.work) {
+                    best = cost;
+                    acceptAt = probabilityOf(accept);
+                    rejectAt = probabilityOf(-reject);
+                }
+            }
+        }
+        report::Row& row = rows.emplace_back();
+        row.scenario = "limits";
+        row.mesh = "all " + std::to_string(meshes.size());
+        row.method = method;
+        row.n = meshes.size() * meshes.front().size();
+        row.work = {{"workMean", best.work}};
+        row.measured = {{"acceptAt", static_cast<double>(acceptAt)},
+                        {"rejectAt", static_cast<double>(rejectAt)},
+                        {"errorPct", best.errorPercent},
+                        {"worstErrorPct", best.worstErrorPercent}};
+    };
+    for (const EstimateSetting& estimate : estimateSettings) {
+        addBest(estimate.name, estimate.gate, false);
+    }
+    addBest("hybrid", hybridShuffledGate, true);
+    return rows;
+}
+
+}  // namespace grapeshot::bench
