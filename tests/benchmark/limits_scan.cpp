@@ -82,8 +82,6 @@ std::vector<Course> coursesOf(const Tree& tree, const std::vector<Pose>& poses) 
 }  // namespace
 
 std::vector<report::Row> scanLimits(const Options& options) {
-    /// The error on meshes that were not seen will be larger.
-    constexpr double safety = 0.75;
     const int perMesh = options.poses.value_or(options.quick ? 240 : 6'000);
     std::vector<std::vector<Course>> meshes;
     for (const NamedMesh& mesh : fitMeshes(options.quick)) {
@@ -99,7 +97,7 @@ std::vector<report::Row> scanLimits(const Options& options) {
         for (double accept = 0.5; accept <= 16; accept += 0.5) {
             for (double reject = 0.5; reject <= 16; reject += 0.5) {
                 const Cost cost = costOf(meshes, probabilityOf(accept), probabilityOf(-reject), hybrid);
-                if (cost.errorPercent <= safety * gate.errorPercent && cost.work < best.work) {
+                if (cost.errorPercent <= gate.errorPercent && cost.work < best.work) {
                     best = cost;
                     acceptAt = probabilityOf(accept);
                     rejectAt = probabilityOf(-reject);

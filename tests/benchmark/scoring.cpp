@@ -64,13 +64,17 @@ std::vector<Bin> binsOfEqualWidth(const std::vector<Forecast>& forecasts, std::s
 }
 
 std::vector<Bin> binsOfEqualCount(std::vector<Forecast> forecasts, std::size_t count) {
-    std::ranges::stable_sort(forecasts, {}, &Forecast::probability);
+    std::ranges::sort(forecasts, {}, &Forecast::probability);
     std::vector<Bin> bins;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Forecast* const begin = forecasts.data() + i * forecasts.size() / count;
-        const Forecast* const end = forecasts.data() + (i + 1) * forecasts.size() / count;
-        if (begin != end) {
-            bins.push_back(binOf(begin, end));
+    std::size_t begin = 0;
+    for (std::size_t i = 1; i <= count; ++i) {
+        std::size_t end = std::max(begin, i * forecasts.size() / count);
+        while (end > begin && end < forecasts.size() && forecasts[end].probability <= forecasts[end - 1].probability) {
+            ++end;
+        }
+        if (end > begin) {
+            bins.push_back(binOf(forecasts.data() + begin, forecasts.data() + end));
+            begin = end;
         }
     }
     return bins;

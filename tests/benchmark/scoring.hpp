@@ -24,7 +24,7 @@ struct Bin {
 };
 /// Bins of the same width, 1 / count; empty ones are left out.
 [[nodiscard]] std::vector<Bin> binsOfEqualWidth(const std::vector<Forecast>& forecasts, std::size_t count);
-/// Bins of as many forecasts each.
+/// Bins of as many forecasts each, but that equal ones are not parted.
 [[nodiscard]] std::vector<Bin> binsOfEqualCount(std::vector<Forecast> forecasts, std::size_t count);
 /// Expected calibration error: mean of |probability - share|, weighted by count.
 [[nodiscard]] double calibrationError(const std::vector<Bin>& bins);
