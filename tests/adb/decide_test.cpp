@@ -218,6 +218,26 @@ TEST(Decide, TheLastWitnessIsTriedFirst) {
     EXPECT_EQ(second.witness, first.witness);
 }
 
+TEST(Decide, AnEstimateKnowsNothingOfTheQueriesBefore) {
+    // The same query again and again, and one of its own for each pose, on every instruction set.
+    const InstructionSetGuard guard;
+    const Tree tree = build(scenes::bumpySphere(1, 0.25F, 6, 10).view());
+    DecideSettings settings{.estimateSteps = 16, .acceptAt = 1, .rejectAt = 0.01F};
+    settings.tryWitness = false;
+    for (const InstructionSet set : instructionSets()) {
+        limitInstructionSet(set);
+        Query used(tree, tree);
+        for (const Pose& pose : zachmannPoses(tree, tree, 12, static_cast<int>(sampleSize(50, 500)), 12).poses) {
+            Query fresh(tree, tree);
+            const Decision expected = fresh.decide(pose, settings);
+            const Decision decision = used.decide(pose, settings);
+            EXPECT_EQ(decision.work, expected.work);
+            EXPECT_EQ(decision.probability, expected.probability);
+            EXPECT_EQ(decision.collides, expected.collides);
+        }
+    }
+}
+
 TEST(Decide, AnEmptyTreeTouchesNothing) {
     const Tree tree = build(scenes::sphere(1, 3).view());
     const Tree empty;
