@@ -13,11 +13,17 @@ namespace {
 
 /// Of the key's draws, one that nothing else takes.
 constexpr std::uint32_t auditDraw = 0xa0d17U;
+/// When so many more wait than when the share was last halved, it is halved again.
+constexpr std::uint64_t waitingPerLevel = 8;
 
 void require(bool fine, const char* place, double value) {
     if (!fine) {
         throw Error(Fault::badSetting, std::to_string(value), place);
     }
+}
+
+std::uint64_t all(const Audit::Answers& answers) noexcept {
+    return answers.certain + answers.estimated().estimated;
 }
 
 /// The rate of `wrong` answers among these and the `right` ones of the same truth.
@@ -27,7 +33,7 @@ double rate(std::uint64_t wrong, std::uint64_t right) noexcept {
 
 }  // namespace
 
-Audit::Audit(const AuditSettings& settings) : m_settings(settings) {
+Audit::Audit(const AuditSettings& settings) : m_settings(settings), m_mostWaiting(waitingPerLevel) {
     const auto isRate = [](double value) { return value > 0 && value < 1; };
     require(settings.share > 0 && settings.share <= 0.5, "AuditSettings::share", settings.share);
     require(settings.workShare > 0 && settings.workShare <= 1, "AuditSettings::workShare", settings.workShare);
@@ -36,76 +42,97 @@ Audit::Audit(const AuditSettings& settings) : m_settings(settings) {
     require(isRate(settings.falseAlarmLimit), "AuditSettings::falseAlarmLimit", settings.falseAlarmLimit);
 }
 
+Audit::Tally Audit::Answers::estimated() const noexcept {
+    Tally sum;
+    for (const Tally& tally : byLevel) {
+        sum.estimated += tally.estimated;
+        sum.chosen += tally.chosen;
+        sum.checked += tally.checked;
+        sum.wrong += tally.wrong;
+    }
+    return sum;
+}
+
+double Audit::shareOf(std::size_t level) const noexcept {
+    return std::ldexp(m_settings.share, -static_cast<int>(level));
+}
+
+/// Half of what may go wrong for each kind of errors; of that a half for the first share, a quarter for the second, ...
+double Audit::confidenceOf(std::size_t level) const noexcept {
+    return 1 - std::ldexp(1 - m_settings.confidence, -2 - static_cast<int>(level));
+}
+
 bool Audit::wants(const RandomKey& key) const noexcept {
     // 53 bits: the share itself, not a neighbour of it, is the coin's probability.
-    return static_cast<double>(randomBits(key, auditDraw) >> 11U) * 0x1p-53 < m_settings.share;
+    return static_cast<double>(randomBits(key, auditDraw) >> 11U) * 0x1p-53 < share();
 }
 
-bool Audit::count(const Decision& answer, const RandomKey& key) noexcept {
+std::optional<Audit::Ticket> Audit::count(const Decision& answer, const RandomKey& key) noexcept {
     if (answer.stop == StopReason::invalidInput) {
-        return false;
+        return std::nullopt;
     }
     m_answerWork += answer.work;
-    Tally& tally = answer.collides ? m_yes : m_no;
+    Answers& answers = answer.collides ? m_yes : m_no;
     if (answer.certain) {
-        ++tally.certain;
-        return false;
+        ++answers.certain;
+        return std::nullopt;
     }
+    Tally& tally = answers.byLevel[m_level];
     ++tally.estimated;
-    const bool chosen = wants(key);
-    tally.chosen += chosen ? 1U : 0U;
-    return chosen;
+    if (!wants(key)) {
+        return std::nullopt;
+    }
+    ++tally.chosen;
+    const Ticket ticket{answer.collides, m_level};
+    // From the next answer on: each share is fixed before the coin that it belongs to.
+    if (m_yes.estimated().waiting() + m_no.estimated().waiting() > m_mostWaiting && m_level + 1U < levels) {
+        ++m_level;
+        m_mostWaiting += waitingPerLevel;
+    }
+    return ticket;
 }
 
-void Audit::record(const Decision& answer, bool collides, std::uint64_t work) noexcept {
-    Tally& tally = answer.collides ? m_yes : m_no;
-    assert(!answer.certain && tally.checked < tally.chosen);
+void Audit::record(const Ticket& ticket, bool collides) noexcept {
+    Tally& tally = (ticket.collides ? m_yes : m_no).byLevel[ticket.level];
+    assert(tally.checked < tally.chosen);
     ++tally.checked;
-    tally.wrong += answer.collides != collides ? 1U : 0U;
-    m_checkWork += work;
+    tally.wrong += ticket.collides != collides ? 1U : 0U;
 }
 
 std::uint64_t Audit::allowance() const noexcept {
     // s of all work, re-checks included, is s / (1 - s) of the answers' own.
     const double share = std::min(m_settings.workShare, 0.999);
-    const double allowed = share / (1 - share) * static_cast<double>(m_answerWork);
-    const auto whole = static_cast<std::uint64_t>(allowed);
-    return whole > m_checkWork ? whole - m_checkWork : 0;
+    const auto allowed = static_cast<std::uint64_t>(share / (1 - share) * static_cast<double>(m_answerWork));
+    return allowed > m_checkWork ? allowed - m_checkWork : 0;
 }
 
-std::uint64_t Audit::wrongAtMost(const Tally& tally) const noexcept {
-    // Two kinds of errors, each with half of what may go wrong. What waits may all be wrong: the bound rises with it.
-    const double confidence = 1 - 0.5 * (1 - m_settings.confidence);
-    const std::uint64_t foundRight = tally.checked - tally.wrong;
-    return detail::mostWithSeen(tally.wrong + tally.waiting(), m_settings.share, confidence,
-                                tally.estimated - foundRight);
-}
-
-std::uint64_t Audit::missesAtMost() const noexcept {
-    return wrongAtMost(m_no);
-}
-
-std::uint64_t Audit::falseAlarmsAtMost() const noexcept {
-    return wrongAtMost(m_yes);
+std::uint64_t Audit::wrongAtMost(const Answers& answers) const noexcept {
+    std::uint64_t most = 0;
+    for (std::size_t level = 0; level <= m_level; ++level) {
+        // What waits may all be wrong: the bound rises with it.
+        const Tally& tally = answers.byLevel[level];
+        most += detail::mostWithSeen(tally.wrong + tally.waiting(), shareOf(level), confidenceOf(level),
+                                     tally.estimated - (tally.checked - tally.wrong));
+    }
+    return most;
 }
 
 double Audit::missBound() const noexcept {
-    return rate(missesAtMost(), m_yes.certain + m_yes.estimated - falseAlarmsAtMost());
+    return rate(missesAtMost(), all(m_yes) - falseAlarmsAtMost());
 }
 
 double Audit::falseAlarmBound() const noexcept {
-    return rate(falseAlarmsAtMost(), m_no.certain + m_no.estimated - missesAtMost());
+    return rate(falseAlarmsAtMost(), all(m_no) - missesAtMost());
 }
 
-/// @param others answers of the other kind: all of them may be right, which is the least rate
-bool Audit::certainlyAbove(const Tally& tally, const Tally& others, double limit) const noexcept {
-    if (tally.wrong == 0) {
-        return false;
+/// @param others answers of the other kind: all of them may be right, which makes the rate least
+bool Audit::certainlyAbove(const Answers& answers, const Answers& others, double limit) const noexcept {
+    std::uint64_t fewest = 0;
+    for (std::size_t level = 0; level <= m_level; ++level) {
+        const Tally& tally = answers.byLevel[level];
+        fewest += tally.wrong == 0 ? 0 : detail::fewestWithSeen(tally.wrong, shareOf(level), confidenceOf(level));
     }
-    // More than w wrong are above the limit: w / (w + right) <= limit < (w + 1) / (w + 1 + right).
-    const auto right = static_cast<double>(others.certain + others.estimated);
-    const auto stillWithin = static_cast<std::uint64_t>(std::floor(limit / (1 - limit) * right));
-    return detail::moreThan(stillWithin, tally.wrong, m_settings.share, 1 - 0.5 * (1 - m_settings.confidence));
+    return rate(fewest, all(others)) > limit;
 }
 
 bool Audit::exceeded() const noexcept {

@@ -4,7 +4,10 @@
 // The derivation and its sources stand in adb/detail/selected_count.hpp.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include <grapeshot/adb/query.hpp>
 #include <grapeshot/core/random.hpp>
@@ -12,86 +15,114 @@
 namespace grapeshot {
 
 struct AuditSettings {
-    double share = 0.01;            ///< probability that an estimated answer is re-checked, in (0, 0.5]
+    double share = 0.01;            ///< probability that an estimated answer is re-checked, at first, in (0, 0.5]
     double workShare = 0.03;        ///< of all work, what re-checks may take, in (0, 1]
     double confidence = 0.95;       ///< of both bounds together, at all times; and of `exceeded`; in [0.5, 1)
     double missLimit = 0.01;        ///< where `exceeded` begins, as in a Certificate, in (0, 1)
     double falseAlarmLimit = 0.05;  ///< likewise
 };
 
-/// A copyable value without memory of its own: a few counts. Saved and restored by copying. For each answer:
+/// A copyable value without memory of its own: some counts. Saved and restored by copying. The caller keeps the poses
+/// that wait for a re-check:
 ///
 ///     const Decision answer = query.decide(pose, settings);
-///     if (audit.count(answer, key)) {              // the coin says: to be re-checked
-///         waiting.push_back({pose, answer});       // now or later: what waits counts as wrong until it is done
+///     if (const auto ticket = audit.count(answer, key)) {
+///         waiting.push_back({pose, *ticket});
 ///     }
-///     while (!waiting.empty() && audit.allowance() > 0) {
-///         const Decision exact = query.decide(waiting.front().pose, DecideSettings::exact());
-///         audit.record(waiting.front().answer, exact.collides, exact.work);
-///         waiting.pop_front();
+///     if (!waiting.empty()) {  // after each answer or once a frame: as far as the allowance goes, on from where it
+///     was
+///         const Budget budget{audit.allowance()};
+///         const std::uint64_t before = begun ? exact.work : 0;
+///         exact = begun ? check.resume(budget) : check.decide(waiting.front().pose, DecideSettings::exact(), budget);
+///         begun = !exact.certain;
+///         audit.charge(exact.work - before);
+///         if (exact.certain) {
+///             audit.record(waiting.front().ticket, exact.collides);
+///             waiting.pop_front();
+///         }
 ///     }
 ///
-/// If it is done at once, `query.resume({})` does it and only its own part of the work counts.
+/// What waits counts as wrong until it is done, so it may wait, and be forgotten, for any reason. If the allowance is
+/// too small for the share, so that eight more wait, the share is halved for the answers to come, up to seven times.
 ///
 /// What must hold: each answer has a key of its own (the same key twice is the same coin twice), and neither the
 /// answers nor what they are asked about foresee the coins. They may depend on all coins before. What it says is about
 /// all answers counted so far, not about those to come.
 class Audit {
   public:
+    /// What must be kept of an answer until it is re-checked.
+    struct Ticket {
+        bool collides = false;  ///< what was answered
+        std::uint8_t level = 0;
+    };
+
     /// @throws Error badSetting
     explicit Audit(const AuditSettings& settings = {});
 
-    /// The coin: a pure function of the key.
-    [[nodiscard]] bool wants(const RandomKey& key) const noexcept;
+    /// Counts an answer, certain or estimated, and its work; a ticket if it is to be re-checked. Once per answer. What
+    /// is no answer (invalidInput) is not counted.
+    std::optional<Ticket> count(const Decision& answer, const RandomKey& key) noexcept;
 
-    /// Counts an answer, certain or estimated, and its work; true if it is to be re-checked. Once per answer. What is
-    /// no answer (invalidInput) is not counted.
-    bool count(const Decision& answer, const RandomKey& key) noexcept;
+    /// The truth about an answer with a ticket. Once per ticket.
+    void record(const Ticket& ticket, bool collides) noexcept;
 
-    /// The re-check of an answer for which `count` was true. @param work units that it took, without the estimate's
-    void record(const Decision& answer, bool collides, std::uint64_t work) noexcept;
-
-    /// Units that may go into re-checks now: the share of the work counted so far, less what they took. One more
-    /// re-check than this is the most by which the share is exceeded.
+    /// Work units that a re-check has taken, or a part of one.
+    void charge(std::uint64_t work) noexcept { m_checkWork += work; }
+    /// Units that may go into re-checks now: the share of the work so far, less what they took.
     [[nodiscard]] std::uint64_t allowance() const noexcept;
 
+    /// The coin as it would fall now: a pure function of the key and the present share.
+    [[nodiscard]] bool wants(const RandomKey& key) const noexcept;
+    /// The present share: the first one, or a half, a quarter, ... of it.
+    [[nodiscard]] double share() const noexcept { return shareOf(m_level); }
+
     /// Upper bounds, at all times and both together with the confidence: how many of the estimated answers so far were
-    /// a no to a collision, a yes to none. Some 10 us; ask once a frame.
-    [[nodiscard]] std::uint64_t missesAtMost() const noexcept;
-    [[nodiscard]] std::uint64_t falseAlarmsAtMost() const noexcept;
+    /// a no to a collision, a yes to none. Some 10 us for each share that was used; ask once a frame.
+    [[nodiscard]] std::uint64_t missesAtMost() const noexcept { return wrongAtMost(m_no); }
+    [[nodiscard]] std::uint64_t falseAlarmsAtMost() const noexcept { return wrongAtMost(m_yes); }
 
     /// The same as rates in 0..1, as in a Certificate: misses / colliding and false alarms / clear, of all answers so
-    /// far, certain ones included. 0 as long as there was no estimated no, or yes. Some 20 us.
+    /// far, certain ones included. 0 as long as there was no estimated no, or yes. Twice the time.
     [[nodiscard]] double missBound() const noexcept;
     [[nodiscard]] double falseAlarmBound() const noexcept;
 
     /// Is one of the rates so far certainly above its limit? False forever with probability >= confidence as long as
-    /// both are below. Then answer exactly from here on, and say so. About 2 us.
+    /// both are below. Then answer exactly from here on, and say so. The time of the bounds at most.
     [[nodiscard]] bool exceeded() const noexcept;
 
-    /// Answers of one kind, yes or no.
+    /// Estimated answers of one kind, yes or no, while the share was the same.
     struct Tally {
-        std::uint64_t certain = 0;
         std::uint64_t estimated = 0;
-        std::uint64_t chosen = 0;   ///< of the estimated ones, for a re-check
+        std::uint64_t chosen = 0;   ///< of them, for a re-check
         std::uint64_t checked = 0;  ///< of these, done
         std::uint64_t wrong = 0;    ///< of these
         [[nodiscard]] std::uint64_t waiting() const noexcept { return chosen - checked; }
     };
-    [[nodiscard]] const Tally& yes() const noexcept { return m_yes; }
-    [[nodiscard]] const Tally& no() const noexcept { return m_no; }
+    static constexpr std::size_t levels = 8;  ///< of the share, each half of the one before
+    /// All answers of one kind.
+    struct Answers {
+        std::uint64_t certain = 0;
+        std::array<Tally, levels> byLevel{};
+        [[nodiscard]] Tally estimated() const noexcept;  ///< summed over the levels
+    };
+    [[nodiscard]] const Answers& yes() const noexcept { return m_yes; }
+    [[nodiscard]] const Answers& no() const noexcept { return m_no; }
     [[nodiscard]] std::uint64_t answerWork() const noexcept { return m_answerWork; }  ///< units, without re-checks
     [[nodiscard]] std::uint64_t checkWork() const noexcept { return m_checkWork; }    ///< units of re-checks
     [[nodiscard]] const AuditSettings& settings() const noexcept { return m_settings; }
 
   private:
-    [[nodiscard]] std::uint64_t wrongAtMost(const Tally& tally) const noexcept;
-    [[nodiscard]] bool certainlyAbove(const Tally& tally, const Tally& others, double limit) const noexcept;
+    [[nodiscard]] double shareOf(std::size_t level) const noexcept;
+    [[nodiscard]] double confidenceOf(std::size_t level) const noexcept;
+    [[nodiscard]] std::uint64_t wrongAtMost(const Answers& answers) const noexcept;
+    [[nodiscard]] bool certainlyAbove(const Answers& answers, const Answers& others, double limit) const noexcept;
 
     AuditSettings m_settings;
-    Tally m_yes, m_no;
+    Answers m_yes, m_no;
     std::uint64_t m_answerWork = 0;
     std::uint64_t m_checkWork = 0;
+    std::uint64_t m_mostWaiting = 0;  ///< so many, and the share is halved
+    std::uint8_t m_level = 0;
 };
 
 }  // namespace grapeshot

@@ -72,8 +72,8 @@ struct Certificate {
 /// alarms on the clear ones. Each path is tested at 1 - (1 - confidence) / 2, so both ends hold together. Both ends in
 /// one setting err no more often: a query that stops at the one limit would have come to it without the other limit as
 /// well. Where one path ends at its start, that answer is always proven. Deterministic in the settings; the same on
-/// every instruction set. Cost: about three exact decides a pose, and one estimate per pose and level: some 20 ms for
-/// 4,000 poses of bodies of 10,000 triangles.
+/// every instruction set. Cost: an exact decide and two to three estimates a pose: some 30 ms for 8,000 poses of bodies
+/// of 10,000 triangles.
 /// @throws Error badSetting (a setting out of its range), notRigid (a given pose that decide does not take)
 [[nodiscard]] Certificate calibrate(const Tree& a, const Tree& b, const CertificationSettings& settings = {});
 

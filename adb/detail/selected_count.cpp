@@ -52,8 +52,20 @@ std::uint64_t mostWithSeen(std::uint64_t seen, double share, double confidence, 
     return possible;
 }
 
-bool moreThan(std::uint64_t total, std::uint64_t seen, double share, double confidence) noexcept {
-    return total < seen || logTooManySeen(total, seen, share) >= -std::log1p(-confidence);
+std::uint64_t fewestWithSeen(std::uint64_t seen, double share, double confidence) noexcept {
+    const double limit = -std::log1p(-confidence);
+    const auto excluded = [&](std::uint64_t total) { return logTooManySeen(total, seen, share) >= limit; };
+    if (!excluded(seen)) {
+        return seen;
+    }
+    // At seen / share as many were seen as are to be expected: far from excluded.
+    std::uint64_t impossible = seen;
+    std::uint64_t possible = seen + static_cast<std::uint64_t>(static_cast<double>(seen) / share) + 1;
+    while (possible - impossible > 1) {
+        const std::uint64_t middle = impossible + (possible - impossible) / 2;
+        (excluded(middle) ? impossible : possible) = middle;
+    }
+    return possible;
 }
 
 }  // namespace grapeshot::detail

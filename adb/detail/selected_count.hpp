@@ -34,8 +34,7 @@ namespace grapeshot::detail {
 [[nodiscard]] std::uint64_t mostWithSeen(std::uint64_t seen, double share, double confidence,
                                          std::uint64_t atMost) noexcept;
 
-/// Have there certainly been more than `total`? At all times together wrong with probability 1 - confidence at most.
-/// About 1 us.
-[[nodiscard]] bool moreThan(std::uint64_t total, std::uint64_t seen, double share, double confidence) noexcept;
+/// The fewest there can have been, likewise; at least `seen`.
+[[nodiscard]] std::uint64_t fewestWithSeen(std::uint64_t seen, double share, double confidence) noexcept;
 
 }  // namespace grapeshot::detail

@@ -2,17 +2,30 @@
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 
 #include <report/report.hpp>
 #include "anytime_suite.hpp"
 #include "decide_suite.hpp"
 #include "fit_suite.hpp"
+#include "guarantee_suite.hpp"
 #include "options.hpp"
 #include "paper_suite.hpp"
 #include "scene_suite.hpp"
 
 namespace {
+
+using Suite = grapeshot::report::Report (*)(const grapeshot::bench::Options&);
+
+/// One of those that the options know.
+Suite suiteNamed(const std::string& suite) {
+    using namespace grapeshot::bench;
+    static const std::map<std::string, Suite> suites{
+        {"anytime", runAnytimeSuite},     {"decide", runDecideSuite}, {"fit", runFitSuite},
+        {"guarantee", runGuaranteeSuite}, {"paper", runPaperSuite},   {"scene", runSceneSuite}};
+    return suites.at(suite);
+}
 
 enum ExitCode { allHold = 0, claimFailed = 1, badUse = 2 };
 
@@ -26,11 +39,7 @@ int run(const grapeshot::bench::Options& options) {
             return badUse;
         }
     }
-    const report::Report results = options.suite == "decide"    ? runDecideSuite(options)
-                                   : options.suite == "anytime" ? runAnytimeSuite(options)
-                                   : options.suite == "fit"     ? runFitSuite(options)
-                                   : options.suite == "paper"   ? runPaperSuite(options)
-                                                                : runSceneSuite(options);
+    const report::Report results = suiteNamed(options.suite)(options);
     std::cout << report::table(results);
     if (!options.jsonFile.empty()) {
         std::ofstream file(options.jsonFile);

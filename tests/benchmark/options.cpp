@@ -10,7 +10,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"decide", "anytime", "fit", "paper", "scene"};
+constexpr std::string_view suites[] = {"anytime", "decide", "fit", "guarantee", "paper", "scene"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -102,16 +102,18 @@ Options parse(int argumentCount, const char* const* arguments) {
 std::string usage() {
     return R"(grapeshot_bench SUITE [options]
 
-  decide   exact yes/no against FCL, Zachmann's procedure
-  fit      the formula and table of the ADB-trees' probabilities, on meshes that no other suite reports
-  paper    the ADB-tree paper of 2003: error and time per distance, beside the published curves
-  scene    Bullet scenes against GImpact
+  anytime    estimates stopped after so many steps: errors, calibration, against what else may be stopped
+  decide     exact and estimated yes/no against FCL, other peers and rivals; Zachmann's procedure and grazing poses
+  fit        the formula and table of the ADB-trees' probabilities, on meshes that no other suite reports
+  guarantee  certificates on fresh poses of unseen meshes, against the exact query; the audit on bodies in motion
+  paper      the ADB-tree paper of 2003: error and time per distance, beside the published curves
+  scene      Bullet scenes against GImpact
 
-  --mesh FILE...        these meshes instead of the generated ones (decide, anytime, paper)
+  --mesh FILE...        these meshes instead of the generated ones (decide, anytime, guarantee, paper)
   --scenario NAME...    only these scenarios (scene); limits: which limits of the probability are best on the meshes
                         for fitting (decide)
   --quick               a small sample: answers are checked, times are printed but not claimed
-  --poses N             poses per mesh (decide, anytime), per distance (paper)
+  --poses N             poses per mesh (decide, anytime, guarantee), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
   --plots FOLDER        write the charts there (anytime, paper)
   --repetitions N       of every timed measurement
