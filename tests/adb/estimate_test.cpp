@@ -288,7 +288,7 @@ TEST(Estimate, ManyCopiesOfOneTriangleEndWithTheBudget) {
     // Upright, and beyond the long edge: every box touches every other, and no triangle does.
     pose.rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
     pose.translation = {0.75F, 0.6F, 0.5F};
-    const Decision decision = query.decide(pose, {}, {.work = 2000});
+    const Decision decision = query.decide(pose, toTheEnd(), {.work = 2000});
     EXPECT_EQ(decision.stop, StopReason::budget);
     EXPECT_EQ(decision.work, 2000U);
     EXPECT_LT(decision.probability, 1);
