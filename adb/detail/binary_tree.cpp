@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace grapeshot::detail {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 constexpr int maxBins = 64;
 // Binned splits that peel off a triangle at a time could go as deep as there are triangles. From this level on groups
 // are halved, so that the depth is at most this plus log2 of the number of triangles.
-constexpr int maxBinnedLevel = 64;
+constexpr std::uint32_t maxBinnedLevel = 64;
 
 struct Box {
     float lower[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
@@ -54,40 +55,37 @@ struct Split {
 
 class Sorter {
   public:
-    Sorter(const Tree& tree, const BuildSettings& settings) : m_tree(tree), m_settings(settings) {}
+    Sorter(const Tree& tree, const BuildSettings& settings, BinaryTree& out)
+        : m_tree(tree), m_settings(settings), m_out(out) {}
 
-    BinaryTree run() {
+    void run() {
         gatherItems();
-        BinaryTree out;
-        struct Task {
-            std::uint32_t node;
-            int level;
-        };
-        std::vector<Task> tasks = {{0, 0}};
-        out.nodes.push_back({0, static_cast<std::uint32_t>(m_items.size()), 0, 0, 0});
+        std::vector<std::uint32_t> tasks;
+        for (std::size_t i = m_out.nodes.size(); i-- > 0;) {
+            if (m_out.nodes[i].left == 0) {
+                tasks.push_back(static_cast<std::uint32_t>(i));
+            }
+        }
         while (!tasks.empty()) {
-            const Task task = tasks.back();
+            const std::uint32_t node = tasks.back();
             tasks.pop_back();
-            const std::uint32_t begin = out.nodes[task.node].begin;
-            const std::uint32_t end = out.nodes[task.node].end;
-            out.nodes[task.node].reach = reachOf(begin, end);
-            if (end - begin <= static_cast<std::uint32_t>(m_settings.maxLeafTriangles)) {
+            const BinaryNode group = m_out.nodes[node];
+            if (group.size() <= static_cast<std::uint32_t>(m_settings.maxLeafTriangles)) {
                 continue;
             }
-            const std::uint32_t middle = splitInTwo({begin, end}, task.level);
-            const auto left = static_cast<std::uint32_t>(out.nodes.size());
-            out.nodes[task.node].left = left;
-            out.nodes[task.node].right = left + 1;
-            out.nodes.push_back({begin, middle, 0, 0, 0});
-            out.nodes.push_back({middle, end, 0, 0, 0});
-            tasks.push_back({left + 1, task.level + 1});
-            tasks.push_back({left, task.level + 1});
+            const std::uint32_t middle = splitInTwo({group.begin, group.end}, group.level);
+            const auto left = static_cast<std::uint32_t>(m_out.nodes.size());
+            m_out.nodes[node].left = left;
+            m_out.nodes[node].right = left + 1;
+            m_out.nodes.push_back({group.begin, middle, 0, 0, 0, group.level + 1});
+            m_out.nodes.push_back({middle, group.end, 0, 0, 0, group.level + 1});
+            tasks.push_back(left + 1);
+            tasks.push_back(left);
         }
-        out.order.reserve(m_items.size());
-        for (const Item& item : m_items) {
-            out.order.push_back(item.triangle);
+        for (std::size_t i = 0; i < m_items.size(); ++i) {
+            m_out.order[i] = m_items[i].triangle;
         }
-        return out;
+        fillReach();
     }
 
   private:
@@ -98,10 +96,10 @@ class Sorter {
     };
 
     void gatherItems() {
-        m_items.resize(m_tree.triangles.size());
+        m_items.resize(m_out.order.size());
         for (std::size_t i = 0; i < m_items.size(); ++i) {
-            m_items[i].triangle = static_cast<std::uint32_t>(i);
-            for (const std::uint32_t corner : m_tree.triangles[i]) {
+            m_items[i].triangle = m_out.order[i];
+            for (const std::uint32_t corner : m_tree.triangles[m_items[i].triangle]) {
                 Box point;
                 for (int axis = 0; axis < 3; ++axis) {
                     point.lower[axis] = point.upper[axis] = m_tree.vertices[corner][axis];
@@ -111,16 +109,25 @@ class Sorter {
         }
     }
 
-    [[nodiscard]] double reachOf(std::size_t begin, std::size_t end) const {
-        Box box;
-        for (std::size_t i = begin; i < end; ++i) {
-            box.grow(m_items[i].box);
+    /// Bottom-up: children stand after their parents.
+    void fillReach() {
+        std::vector<Box> boxes(m_out.nodes.size());
+        for (std::size_t i = boxes.size(); i-- > 0;) {
+            BinaryNode& node = m_out.nodes[i];
+            if (node.left != 0) {
+                boxes[i].grow(boxes[node.left]);
+                boxes[i].grow(boxes[node.right]);
+            } else {
+                for (std::uint32_t item = node.begin; item < node.end; ++item) {
+                    boxes[i].grow(m_items[item].box);
+                }
+            }
+            node.reach = boxes[i].reach();
         }
-        return box.reach();
     }
 
     /// Where the right part begins; both parts have at least one triangle.
-    std::uint32_t splitInTwo(const Range& range, int level) {
+    std::uint32_t splitInTwo(const Range& range, std::uint32_t level) {
         float low[3];
         float high[3];
         std::fill(low, low + 3, std::numeric_limits<float>::infinity());
@@ -218,13 +225,23 @@ class Sorter {
 
     const Tree& m_tree;
     const BuildSettings& m_settings;
+    BinaryTree& m_out;
     std::vector<Item> m_items;
 };
 
 }  // namespace
 
+void splitLeaves(const Tree& tree, const BuildSettings& settings, BinaryTree& binary) {
+    Sorter(tree, settings, binary).run();
+}
+
 BinaryTree sortInTwos(const Tree& tree, const BuildSettings& settings) {
-    return Sorter(tree, settings).run();
+    BinaryTree all;
+    all.order.resize(tree.triangles.size());
+    std::iota(all.order.begin(), all.order.end(), 0U);
+    all.nodes.push_back({0, static_cast<std::uint32_t>(all.order.size()), 0, 0, 0, 0});
+    splitLeaves(tree, settings, all);
+    return all;
 }
 
 }  // namespace grapeshot::detail

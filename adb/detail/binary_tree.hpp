@@ -14,7 +14,8 @@ struct BinaryNode {
     std::uint32_t end = 0;
     std::uint32_t left = 0;  ///< 0 for a leaf
     std::uint32_t right = 0;
-    double reach = 0;  ///< how likely a partner meets its box, up to a common factor
+    double reach = 0;         ///< how likely a partner meets its box, up to a common factor
+    std::uint32_t level = 0;  ///< 0 for the root
     [[nodiscard]] std::uint32_t size() const { return end - begin; }
 };
 
@@ -23,8 +24,12 @@ struct BinaryTree {
     std::vector<std::uint32_t> order;  ///< triangle indices
 };
 
-/// Down to groups of at most settings.maxLeafTriangles. Reads only `tree.vertices` and `tree.triangles`. At most 64 +
-/// 28 levels deep, whatever the mesh.
+/// Splits the leaves of `binary` down to groups of at most settings.maxLeafTriangles, new nodes behind the old ones and
+/// triangles only moved within their leaf; then fills in the reach of all nodes. Reads only `tree.vertices` and
+/// `tree.triangles`. At most 64 + 28 levels deep, whatever the mesh, if no leaf is deeper than 64 to start with.
+void splitLeaves(const Tree& tree, const BuildSettings& settings, BinaryTree& binary);
+
+/// All triangles, split from the root down.
 [[nodiscard]] BinaryTree sortInTwos(const Tree& tree, const BuildSettings& settings);
 
 }  // namespace grapeshot::detail
