@@ -20,6 +20,8 @@ std::string_view name(Fault fault) noexcept {
             return "notRigid";
         case Fault::badSetting:
             return "badSetting";
+        case Fault::badHierarchy:
+            return "badHierarchy";
         case Fault::badFile:
             return "badFile";
         case Fault::limitExceeded:

@@ -17,6 +17,7 @@ enum class Fault {
     topologyChanged,  ///< a refit with another number of vertices
     notRigid,         ///< a pose whose rotation is no rotation
     badSetting,       ///< a setting outside its documented range
+    badHierarchy,     ///< nodes that form no tree, or triangles that are missing or in two leaves
     badFile,          ///< a file that cannot be read as what it claims to be
     limitExceeded,    ///< a limit on memory, time or size was hit
 };
