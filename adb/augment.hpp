@@ -27,9 +27,9 @@ struct ForeignHierarchy {
 /// Groups of up to four triangles become leaves, and of nested groups those are left out whose parts fit better into
 /// the node above. Larger leaves, and groups that are still larger at level 48, are split further as `build` does; so a
 /// chain is no deeper than any other tree. Deterministic, no recursion.
-/// Worth it where the hierarchy has to be kept, or comes for nothing: building anew gives a better tree (see
-/// README.md). O(n), but for the slabs (a look at every triangle once a level, as in a refit) and for what is split
-/// further.
+/// Worth it where the hierarchy has to be kept: building anew gives a better tree. The default calibration is fitted to
+/// built trees, and was seen to hold over Bullet's hierarchies too (README.md has the numbers).
+/// O(n), but for the slabs (a look at every triangle once a level, as in a refit) and for what is split further.
 /// @throws Error as requireUsable does; tooLarge; indexOutOfRange (a node, a leaf's range or a triangle that does not
 /// exist); badHierarchy (no nodes, a node reached twice, a leaf without triangles, a triangle in two leaves or in none)
 [[nodiscard]] Tree augment(MeshView mesh, const ForeignHierarchy& hierarchy);
