@@ -13,8 +13,8 @@ namespace {
 
 /// Of the key's draws, one that nothing else takes.
 constexpr std::uint32_t auditDraw = 0xa0d17U;
-/// When so many more wait than when the share was last halved, it is halved again.
-constexpr std::uint64_t waitingPerLevel = 8;
+/// When so many more wait than when the last period began, another one begins.
+constexpr std::uint64_t waitingPerPeriod = 8;
 
 void require(bool fine, const char* place, double value) {
     if (!fine) {
@@ -33,7 +33,7 @@ double rate(std::uint64_t wrong, std::uint64_t right) noexcept {
 
 }  // namespace
 
-Audit::Audit(const AuditSettings& settings) : m_settings(settings), m_mostWaiting(waitingPerLevel) {
+Audit::Audit(const AuditSettings& settings) : m_settings(settings), m_mostWaiting(waitingPerPeriod) {
     const auto isRate = [](double value) { return value > 0 && value < 1; };
     require(settings.share > 0 && settings.share <= 0.5, "AuditSettings::share", settings.share);
     require(settings.workShare > 0 && settings.workShare <= 1, "AuditSettings::workShare", settings.workShare);
@@ -44,7 +44,7 @@ Audit::Audit(const AuditSettings& settings) : m_settings(settings), m_mostWaitin
 
 Audit::Tally Audit::Answers::estimated() const noexcept {
     Tally sum;
-    for (const Tally& tally : byLevel) {
+    for (const Tally& tally : byPeriod) {
         sum.estimated += tally.estimated;
         sum.chosen += tally.chosen;
         sum.checked += tally.checked;
@@ -53,13 +53,29 @@ Audit::Tally Audit::Answers::estimated() const noexcept {
     return sum;
 }
 
-double Audit::shareOf(std::size_t level) const noexcept {
-    return std::ldexp(m_settings.share, -static_cast<int>(level));
+double Audit::shareOf(std::size_t period) const noexcept {
+    return std::ldexp(m_settings.share, -static_cast<int>(m_halvings[period]));
 }
 
-/// Half of what may go wrong for each kind of errors; of that a half for the first share, a quarter for the second, ...
-double Audit::confidenceOf(std::size_t level) const noexcept {
-    return 1 - std::ldexp(1 - m_settings.confidence, -2 - static_cast<int>(level));
+/// Half of what may go wrong for each kind of errors; of that a half for the first period, a quarter for the second,
+/// ...
+double Audit::confidenceOf(std::size_t period) const noexcept {
+    return 1 - std::ldexp(1 - m_settings.confidence, -2 - static_cast<int>(period));
+}
+
+void Audit::beginPeriod() noexcept {
+    const Tally yes = m_yes.estimated();
+    const Tally no = m_no.estimated();
+    const double managed =
+        static_cast<double>(yes.checked + no.checked) / static_cast<double>(yes.estimated + no.estimated);
+    const double wanted = std::max(managed, share() / 4);
+    std::uint8_t halvings = m_halvings[m_period];
+    do {
+        ++halvings;
+    } while (std::ldexp(m_settings.share, -static_cast<int>(halvings)) > wanted);
+    ++m_period;
+    m_halvings[m_period] = halvings;
+    m_mostWaiting += waitingPerPeriod;
 }
 
 bool Audit::wants(const RandomKey& key) const noexcept {
@@ -77,23 +93,22 @@ std::optional<Audit::Ticket> Audit::count(const Decision& answer, const RandomKe
         ++answers.certain;
         return std::nullopt;
     }
-    Tally& tally = answers.byLevel[m_level];
+    Tally& tally = answers.byPeriod[m_period];
     ++tally.estimated;
     if (!wants(key)) {
         return std::nullopt;
     }
     ++tally.chosen;
-    const Ticket ticket{answer.collides, m_level};
+    const Ticket ticket{answer.collides, m_period};
     // From the next answer on: each share is fixed before the coin that it belongs to.
-    if (m_yes.estimated().waiting() + m_no.estimated().waiting() > m_mostWaiting && m_level + 1U < levels) {
-        ++m_level;
-        m_mostWaiting += waitingPerLevel;
+    if (m_yes.estimated().waiting() + m_no.estimated().waiting() > m_mostWaiting && m_period + 1U < periods) {
+        beginPeriod();
     }
     return ticket;
 }
 
 void Audit::record(const Ticket& ticket, bool collides) noexcept {
-    Tally& tally = (ticket.collides ? m_yes : m_no).byLevel[ticket.level];
+    Tally& tally = (ticket.collides ? m_yes : m_no).byPeriod[ticket.period];
     assert(tally.checked < tally.chosen);
     ++tally.checked;
     tally.wrong += ticket.collides != collides ? 1U : 0U;
@@ -108,10 +123,10 @@ std::uint64_t Audit::allowance() const noexcept {
 
 std::uint64_t Audit::wrongAtMost(const Answers& answers) const noexcept {
     std::uint64_t most = 0;
-    for (std::size_t level = 0; level <= m_level; ++level) {
+    for (std::size_t period = 0; period <= m_period; ++period) {
         // What waits may all be wrong: the bound rises with it.
-        const Tally& tally = answers.byLevel[level];
-        most += detail::mostWithSeen(tally.wrong + tally.waiting(), shareOf(level), confidenceOf(level),
+        const Tally& tally = answers.byPeriod[period];
+        most += detail::mostWithSeen(tally.wrong + tally.waiting(), shareOf(period), confidenceOf(period),
                                      tally.estimated - (tally.checked - tally.wrong));
     }
     return most;
@@ -128,9 +143,9 @@ double Audit::falseAlarmBound() const noexcept {
 /// @param others answers of the other kind: all of them may be right, which makes the rate least
 bool Audit::certainlyAbove(const Answers& answers, const Answers& others, double limit) const noexcept {
     std::uint64_t fewest = 0;
-    for (std::size_t level = 0; level <= m_level; ++level) {
-        const Tally& tally = answers.byLevel[level];
-        fewest += tally.wrong == 0 ? 0 : detail::fewestWithSeen(tally.wrong, shareOf(level), confidenceOf(level));
+    for (std::size_t period = 0; period <= m_period; ++period) {
+        const Tally& tally = answers.byPeriod[period];
+        fewest += tally.wrong == 0 ? 0 : detail::fewestWithSeen(tally.wrong, shareOf(period), confidenceOf(period));
     }
     return rate(fewest, all(others)) > limit;
 }

@@ -42,8 +42,10 @@ struct AuditSettings {
 ///         }
 ///     }
 ///
-/// What waits counts as wrong until it is done, so it may wait, and be forgotten, for any reason. If the allowance is
-/// too small for the share, so that eight more wait, the share is halved for the answers to come, up to seven times.
+/// What waits counts as wrong until it is done, so it may wait, and be forgotten, for any reason. When eight more
+/// wait because the allowance is too small for the share, a new period begins, with a share halved until it is no more
+/// than what has been managed so far (once at least, to a quarter at most); up to seven times. The bounds of the
+/// periods are added up.
 ///
 /// What must hold: each answer has a key of its own (the same key twice is the same coin twice), and neither the
 /// answers nor what they are asked about foresee the coins. They may depend on all coins before. What it says is about
@@ -53,7 +55,7 @@ class Audit {
     /// What must be kept of an answer until it is re-checked.
     struct Ticket {
         bool collides = false;  ///< what was answered
-        std::uint8_t level = 0;
+        std::uint8_t period = 0;
     };
 
     /// @throws Error badSetting
@@ -74,10 +76,10 @@ class Audit {
     /// The coin as it would fall now: a pure function of the key and the present share.
     [[nodiscard]] bool wants(const RandomKey& key) const noexcept;
     /// The present share: the first one, or a half, a quarter, ... of it.
-    [[nodiscard]] double share() const noexcept { return shareOf(m_level); }
+    [[nodiscard]] double share() const noexcept { return shareOf(m_period); }
 
     /// Upper bounds, at all times and both together with the confidence: how many of the estimated answers so far were
-    /// a no to a collision, a yes to none. Some 10 us for each share that was used; ask once a frame.
+    /// a no to a collision, a yes to none. Some 10 us a period; ask once a frame.
     [[nodiscard]] std::uint64_t missesAtMost() const noexcept { return wrongAtMost(m_no); }
     [[nodiscard]] std::uint64_t falseAlarmsAtMost() const noexcept { return wrongAtMost(m_yes); }
 
@@ -90,7 +92,7 @@ class Audit {
     /// both are below. Then answer exactly from here on, and say so. The time of the bounds at most.
     [[nodiscard]] bool exceeded() const noexcept;
 
-    /// Estimated answers of one kind, yes or no, while the share was the same.
+    /// Estimated answers of one kind, yes or no, in one period.
     struct Tally {
         std::uint64_t estimated = 0;
         std::uint64_t chosen = 0;   ///< of them, for a re-check
@@ -98,12 +100,12 @@ class Audit {
         std::uint64_t wrong = 0;    ///< of these
         [[nodiscard]] std::uint64_t waiting() const noexcept { return chosen - checked; }
     };
-    static constexpr std::size_t levels = 8;  ///< of the share, each half of the one before
+    static constexpr std::size_t periods = 8;
     /// All answers of one kind.
     struct Answers {
         std::uint64_t certain = 0;
-        std::array<Tally, levels> byLevel{};
-        [[nodiscard]] Tally estimated() const noexcept;  ///< summed over the levels
+        std::array<Tally, periods> byPeriod{};
+        [[nodiscard]] Tally estimated() const noexcept;  ///< summed over the periods
     };
     [[nodiscard]] const Answers& yes() const noexcept { return m_yes; }
     [[nodiscard]] const Answers& no() const noexcept { return m_no; }
@@ -112,8 +114,9 @@ class Audit {
     [[nodiscard]] const AuditSettings& settings() const noexcept { return m_settings; }
 
   private:
-    [[nodiscard]] double shareOf(std::size_t level) const noexcept;
-    [[nodiscard]] double confidenceOf(std::size_t level) const noexcept;
+    void beginPeriod() noexcept;
+    [[nodiscard]] double shareOf(std::size_t period) const noexcept;
+    [[nodiscard]] double confidenceOf(std::size_t period) const noexcept;
     [[nodiscard]] std::uint64_t wrongAtMost(const Answers& answers) const noexcept;
     [[nodiscard]] bool certainlyAbove(const Answers& answers, const Answers& others, double limit) const noexcept;
 
@@ -121,8 +124,9 @@ class Audit {
     Answers m_yes, m_no;
     std::uint64_t m_answerWork = 0;
     std::uint64_t m_checkWork = 0;
-    std::uint64_t m_mostWaiting = 0;  ///< so many, and the share is halved
-    std::uint8_t m_level = 0;
+    std::uint64_t m_mostWaiting = 0;                 ///< more, and a new period begins
+    std::array<std::uint8_t, periods> m_halvings{};  ///< of the first share, in each period
+    std::uint8_t m_period = 0;
 };
 
 }  // namespace grapeshot

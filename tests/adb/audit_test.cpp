@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -194,22 +195,41 @@ TEST(Audit, WhatWaitsCountsAsWrong) {
 }
 
 TEST(Audit, LooksLessOftenWhenTooManyWait) {
-    Audit audit({.share = 0.2});
+    Audit audit({.share = 0.5});
     std::uint64_t chosen = 0;
-    for (std::uint64_t i = 0; i < 100'000; ++i) {
+    for (std::uint64_t i = 0; i < 2'000'000; ++i) {
         const double share = audit.share();
         const bool wanted = audit.wants({.seed = 2, .pair = 1, .step = i});
         const auto ticket = audit.count(answer(true), {.seed = 2, .pair = 1, .step = i});
         EXPECT_EQ(ticket.has_value(), wanted);
         chosen += ticket ? 1 : 0;
         if (audit.share() != share) {
-            EXPECT_EQ(audit.share(), share / 2);
+            EXPECT_EQ(audit.share(), share / 4);  // nothing was managed
             EXPECT_EQ(chosen % 8, 1U);
         }
     }
-    EXPECT_EQ(audit.share(), 0.2 / 128);
-    EXPECT_EQ(audit.falseAlarmsAtMost(), 100'000U);  // nobody has looked
+    EXPECT_EQ(audit.share(), 0.5 / 16384);
+    EXPECT_EQ(audit.falseAlarmsAtMost(), 2'000'000U);  // nobody has looked
     EXPECT_FALSE(audit.exceeded());
+}
+
+TEST(Audit, LooksAsOftenAsIsManaged) {
+    // One in a hundred can be done: the share settles below that, and nothing waits for long.
+    Audit audit({.share = 0.1});
+    std::deque<Audit::Ticket> waiting;
+    for (std::uint64_t i = 0; i < 100'000; ++i) {
+        if (const auto ticket = audit.count(answer(false), {.seed = 6, .pair = 1, .step = i})) {
+            waiting.push_back(*ticket);
+        }
+        if (i % 100 == 0 && !waiting.empty()) {
+            audit.record(waiting.front(), false);
+            waiting.pop_front();
+        }
+    }
+    EXPECT_LE(audit.share(), 0.01);
+    EXPECT_GE(audit.share(), 0.002);
+    EXPECT_LE(waiting.size(), 4U);
+    EXPECT_LT(audit.missesAtMost(), 5'000U);
 }
 
 TEST(Audit, CountsOnlyAnswersAndTheirWork) {
