@@ -47,9 +47,12 @@ struct AuditSettings {
 /// than what has been managed so far (once at least, to a quarter at most); up to seven times. The bounds of the
 /// periods are added up.
 ///
+/// A first share of about workShare * workPerPose / exactWorkPerPose, by the pair's certificate, lasts.
+///
 /// What must hold: each answer has a key of its own (the same key twice is the same coin twice), and neither the
-/// answers nor what they are asked about foresee the coins. They may depend on all coins before. What it says is about
-/// all answers counted so far, not about those to come.
+/// answers nor what they are asked about foresee the coins; they may depend on all coins before. An answer that was
+/// drawn (answerOf) is counted as it was given. What it says is about all answers counted so far, not about those to
+/// come.
 class Audit {
   public:
     /// What must be kept of an answer until it is re-checked.

@@ -223,7 +223,7 @@ const char* name(Motion motion) noexcept {
 void auditRuns(Motion motion, const Options& options, const std::vector<NamedMesh>& meshes, report::Report& results) {
     const std::size_t used = std::min<std::size_t>(meshes.size(), shownMeshes);
     const std::size_t runs = (options.quick ? 64 : 1'000) / (2 * used);
-    const int frames = options.quick ? 100 : 500;
+    const int frames = options.quick ? 100 : 300;
     const int longFrames = options.quick ? 1'000 : 20'000;
     const std::string kind = name(motion);
     Sums all;
