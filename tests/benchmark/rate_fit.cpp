@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "scoring.hpp"
+
 namespace grapeshot::bench {
 namespace {
 
@@ -17,14 +19,14 @@ Weights featuresOf(const PairSample& sample) {
     return {1, std::min(sample.squaredDistance, 60.0), std::clamp(sample.length, -40.0, 40.0)};
 }
 
-struct Score {
+struct FisherScore {
     double loss = 0;
     Weights gradient = Weights::Zero();
     Eigen::Matrix3d information = 1e-6 * Eigen::Matrix3d::Identity();
 };
 
-Score scoreOf(const std::vector<PairSample>& samples, const Weights& weights) {
-    Score score;
+FisherScore scoreOf(const std::vector<PairSample>& samples, const Weights& weights) {
+    FisherScore score;
     for (const PairSample& sample : samples) {
         const Weights features = featuresOf(sample);
         const double rate = std::exp(std::clamp(weights.dot(features), -30.0, 6.0));
@@ -45,11 +47,11 @@ Weights weightsOf(const RateFormula& formula) {
 
 RateFormula fitRates(const std::vector<PairSample>& samples) {
     Weights weights = Weights::Zero();
-    Score score = scoreOf(samples, weights);
+    FisherScore score = scoreOf(samples, weights);
     for (int iteration = 0; iteration < 50; ++iteration) {
         const Weights step = score.information.ldlt().solve(score.gradient);
         double share = 1;
-        Score next = scoreOf(samples, weights - step);
+        FisherScore next = scoreOf(samples, weights - step);
         while (next.loss > score.loss && share > 1e-6) {
             share /= 2;
             next = scoreOf(samples, weights - share * step);
@@ -69,21 +71,11 @@ double logLoss(const std::vector<PairSample>& samples, const RateFormula& formul
 }
 
 double areaUnderCurve(const std::vector<PairSample>& samples, const RateFormula& formula) {
-    std::vector<std::pair<double, bool>> ranked;
+    std::vector<Forecast> forecasts;
     for (const PairSample& sample : samples) {
-        ranked.emplace_back(weightsOf(formula).dot(featuresOf(sample)), sample.meet);
+        forecasts.push_back({weightsOf(formula).dot(featuresOf(sample)), sample.meet});  // only the order counts
     }
-    std::sort(ranked.begin(), ranked.end());
-    double ranks = 0;
-    double meeting = 0;
-    for (std::size_t i = 0; i < ranked.size(); ++i) {
-        if (ranked[i].second) {
-            ranks += static_cast<double>(i + 1);
-            ++meeting;
-        }
-    }
-    const double others = static_cast<double>(ranked.size()) - meeting;
-    return (ranks - meeting * (meeting + 1) / 2) / (meeting * others);
+    return areaUnderCurve(std::move(forecasts));
 }
 
 }  // namespace grapeshot::bench

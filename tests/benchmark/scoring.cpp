@@ -22,30 +22,6 @@ Bin binOf(const Forecast* begin, const Forecast* end) {
     return bin;
 }
 
-/// The rank sum of Mann and Whitney.
-double areaUnderCurve(std::vector<Forecast> forecasts, std::size_t colliding) {
-    const auto yes = static_cast<double>(colliding);
-    const auto no = static_cast<double>(forecasts.size() - colliding);
-    if (colliding == 0 || colliding == forecasts.size()) {
-        return std::numeric_limits<double>::quiet_NaN();
-    }
-    std::ranges::sort(forecasts, {}, &Forecast::probability);
-    double above = 0;  // pairs of a clear and a colliding pose in the right order
-    double clearBefore = 0;
-    for (std::size_t begin = 0; begin < forecasts.size();) {
-        double tiedYes = 0;
-        double tiedNo = 0;
-        std::size_t end = begin;
-        for (; end < forecasts.size() && forecasts[end].probability <= forecasts[begin].probability; ++end) {
-            (forecasts[end].collides ? tiedYes : tiedNo) += 1;
-        }
-        above += tiedYes * (clearBefore + 0.5 * tiedNo);
-        clearBefore += tiedNo;
-        begin = end;
-    }
-    return above / (yes * no);
-}
-
 }  // namespace
 
 std::vector<Bin> binsOfEqualWidth(const std::vector<Forecast>& forecasts, std::size_t count) {
@@ -90,6 +66,25 @@ double calibrationError(const std::vector<Bin>& bins) {
     return count > 0 ? sum / count : 0;
 }
 
+double areaUnderCurve(std::vector<Forecast> forecasts) {
+    std::ranges::sort(forecasts, {}, &Forecast::probability);
+    double above = 0;  // pairs of a clear and a colliding one in the right order
+    double clear = 0;  // with less than what comes next
+    for (std::size_t begin = 0; begin < forecasts.size();) {
+        double tiedYes = 0;
+        double tiedNo = 0;
+        std::size_t end = begin;
+        for (; end < forecasts.size() && forecasts[end].probability <= forecasts[begin].probability; ++end) {
+            (forecasts[end].collides ? tiedYes : tiedNo) += 1;
+        }
+        above += tiedYes * (clear + 0.5 * tiedNo);
+        clear += tiedNo;
+        begin = end;
+    }
+    const double colliding = static_cast<double>(forecasts.size()) - clear;
+    return colliding > 0 && clear > 0 ? above / (colliding * clear) : std::numeric_limits<double>::quiet_NaN();
+}
+
 Score score(const std::vector<Forecast>& forecasts) {
     Score result;
     Errors errors;
@@ -108,7 +103,7 @@ Score score(const std::vector<Forecast>& forecasts) {
     result.falsePositives = errors.falsePositives;
     result.errorPercent = errors.percentOf(result.n);
     result.brier /= static_cast<double>(std::max<std::size_t>(1, result.n));
-    result.auc = areaUnderCurve(forecasts, result.colliding);
+    result.auc = areaUnderCurve(forecasts);
     result.ece = calibrationError(binsOfEqualWidth(forecasts, 20));
     result.eceEqualCount = calibrationError(binsOfEqualCount(forecasts, 15));
     result.inDoubt = doubtful.size();

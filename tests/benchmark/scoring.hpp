@@ -29,6 +29,9 @@ struct Bin {
 /// Expected calibration error: mean of |probability - share|, weighted by count.
 [[nodiscard]] double calibrationError(const std::vector<Bin>& bins);
 
+/// P(a colliding one has more than a clear one); ties count half. NaN if there are none of a kind.
+[[nodiscard]] double areaUnderCurve(std::vector<Forecast> forecasts);
+
 struct Score {
     std::size_t n = 0, colliding = 0;
     double falseNegatives = 0, falsePositives = 0;  ///< of the answer "at least 0.5"
