@@ -10,6 +10,10 @@ target_compile_features(grapeshot_warnings INTERFACE cxx_std_20)
 # Same bytes on every instruction set: no contraction of a * b + c (separate rounding is part of the contract).
 target_compile_options(grapeshot_warnings INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wpedantic -Wnon-virtual-dtor
                                                     -Woverloaded-virtual -Wundef)
+# Nobody replaces a function of a library of ours by one of the same name, so calls within it may be inlined.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(grapeshot_warnings INTERFACE -fno-semantic-interposition)
+endif()
 add_library(grapeshot_flags INTERFACE)
 target_link_libraries(grapeshot_flags INTERFACE grapeshot_warnings)
 if(GRAPESHOT_SANITIZE)
