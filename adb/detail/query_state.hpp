@@ -27,7 +27,7 @@ struct Query::State {
     detail::DescentEnd nextLeafPair(std::uint64_t units);
 
     // query.cpp
-    bool useSettings(const DecideSettings& settings);
+    bool useSettings(const DecideSettings& wanted);
     void recallWitness();
     detail::DescentEnd testPending(std::uint64_t units);
     detail::DescentEnd nextOverlap(std::uint64_t units);
