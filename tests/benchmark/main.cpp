@@ -21,9 +21,9 @@ using Suite = grapeshot::report::Report (*)(const grapeshot::bench::Options&);
 /// One of those that the options know.
 Suite suiteNamed(const std::string& suite) {
     using namespace grapeshot::bench;
-    static const std::map<std::string, Suite> suites{
-        {"anytime", runAnytimeSuite},     {"decide", runDecideSuite}, {"fit", runFitSuite},
-        {"guarantee", runGuaranteeSuite}, {"paper", runPaperSuite},   {"scene", runSceneSuite}};
+    static const std::map<std::string, Suite> suites{{"anytime", runAnytimeSuite}, {"decide", runDecideSuite},
+                                                     {"fit", runFitSuite},         {"guarantee", runGuaranteeSuite},
+                                                     {"paper", runPaperSuite},     {"scene", runSceneSuite}};
     return suites.at(suite);
 }
 
