@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <vector>
 
@@ -23,6 +24,10 @@ float interpolated(const Calibration::Row& row, float rate) noexcept {
     const auto before = std::min(static_cast<std::size_t>(inside), Calibration::knots - 2);
     const double share = inside - static_cast<double>(before);
     return static_cast<float>((1 - share) * double{row[before]} + share * double{row[before + 1]});
+}
+
+float rateAt(double place) noexcept {
+    return static_cast<float>(std::exp2(firstKnot + place / knotsPerOctave));
 }
 
 /// Reads a text line by line, and says where it stopped making sense.
@@ -118,13 +123,36 @@ const Calibration& defaultCalibration() {
 }
 
 float probabilityAfter(const Calibration& calibration, float rate, std::uint64_t steps) noexcept {
-    const auto row = static_cast<std::size_t>(std::bit_width(std::max(steps, std::uint64_t{1}) - 1));
-    return interpolated(calibration.bySteps[std::min(row, Calibration::stepRows - 1)], rate);
+    return interpolated(calibration.bySteps[Calibration::rowOf(steps)], rate);
 }
 
 float probabilityAfterwards(const Calibration& calibration, float rate, std::uint64_t exactSteps) noexcept {
     const auto row = static_cast<std::size_t>(std::bit_width(exactSteps / 4));
     return interpolated(calibration.afterwards[std::min(row, Calibration::afterRows - 1)], rate);
+}
+
+float leastRateAt(const Calibration::Row& row, float probability) noexcept {
+    const auto after = std::lower_bound(row.begin(), row.end(), probability);
+    if (after == row.end()) {
+        return std::numeric_limits<float>::infinity();
+    }
+    if (after == row.begin()) {
+        return 0;
+    }
+    const double before = *(after - 1);
+    return rateAt(static_cast<double>(after - row.begin()) - 1 + (probability - before) / (*after - before));
+}
+
+float mostRateAt(const Calibration::Row& row, float probability) noexcept {
+    const auto after = std::upper_bound(row.begin(), row.end(), probability);
+    if (after == row.begin()) {
+        return -1;
+    }
+    if (after == row.end()) {
+        return std::numeric_limits<float>::infinity();
+    }
+    const double before = *(after - 1);
+    return rateAt(static_cast<double>(after - row.begin()) - 1 + (probability - before) / (*after - before));
 }
 
 std::string toText(const Calibration& calibration) {

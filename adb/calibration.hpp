@@ -27,7 +27,15 @@ struct Calibration {
     static constexpr std::size_t stepRows = 8;   ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
     static constexpr std::size_t afterRows = 8;  ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
     static constexpr std::size_t knots = 41;     ///< log2 of the rate: -10, -9.5, ..., 10
-    using Row = std::array<float, knots>;        ///< probabilities that the meshes collide, not falling
+    /// The row of so many steps, 1 or more.
+    [[nodiscard]] static constexpr std::size_t rowOf(std::uint64_t steps) noexcept {
+        std::size_t row = 0;
+        while (row + 1 < stepRows && steps > (std::uint64_t{1} << row)) {
+            ++row;
+        }
+        return row;
+    }
+    using Row = std::array<float, knots>;  ///< probabilities that the meshes collide, not falling
 
     std::string poses;  ///< what it holds for, in words; one line
     RateFormula formula;
@@ -44,6 +52,11 @@ struct Calibration {
 /// P(collide) when the estimate ended with this rate, and `exactSteps` more have found nothing yet.
 [[nodiscard]] float probabilityAfterwards(const Calibration& calibration, float rate,
                                           std::uint64_t exactSteps) noexcept;
+
+/// The least rate whose probability in a row is at least this, and the largest of those whose probability is at most
+/// this. Infinity, and -1, if there is none.
+[[nodiscard]] float leastRateAt(const Calibration::Row& row, float probability) noexcept;
+[[nodiscard]] float mostRateAt(const Calibration::Row& row, float probability) noexcept;
 
 /// As text: what `calibrationFrom` reads. The numbers come back to the last bit.
 [[nodiscard]] std::string toText(const Calibration& calibration);

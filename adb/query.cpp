@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include <grapeshot/adb/detail/query_state.hpp>
@@ -18,93 +16,29 @@ using detail::SidePair;
 
 namespace {
 
-constexpr float never = std::numeric_limits<float>::infinity();
-constexpr float unreachable = -1;  // rates are not negative
-
-/// The rates at which the probability after `steps` is as high, and as low, as it must be.
-std::pair<float, float> limitsAfter(const Calibration& calibration, std::uint64_t steps, float acceptAt,
-                                    float rejectAt) {
-    // By halves, in octaves: the probability does not fall.
-    constexpr double range = 12;
-    const auto above = [&](float probability, bool orEqual) {
-        double low = -range;
-        double high = range;
-        for (int i = 0; i < 40; ++i) {
-            const double middle = 0.5 * (low + high);
-            const float p = probabilityAfter(calibration, static_cast<float>(std::exp2(middle)), steps);
-            ((orEqual ? p >= probability : p > probability) ? high : low) = middle;
-        }
-        return std::pair(static_cast<float>(std::exp2(low)),
-                         high < range ? static_cast<float>(std::exp2(high)) : never);
-    };
-    const float yes = acceptAt < 1 ? above(acceptAt, true).second : never;
-    const float no = rejectAt > 0 ? above(rejectAt, false).first : 0;
-    return {yes, no > std::exp2(-11.5F) ? no : unreachable};
-}
-
 detail::RateLimits limitsFor(const Calibration& calibration, float acceptAt, float rejectAt) {
-    detail::RateLimits limits{};
-    limits.yes[0] = never;
-    limits.no[0] = unreachable;
-    for (std::size_t steps = 1; steps < detail::limitSteps; ++steps) {
-        if (steps > 1 && std::bit_width(steps - 1) == std::bit_width(steps - 2)) {
-            limits.yes[steps] = limits.yes[steps - 1];  // of the same row of the table
-            limits.no[steps] = limits.no[steps - 1];
-        } else {
-            std::tie(limits.yes[steps], limits.no[steps]) = limitsAfter(calibration, steps, acceptAt, rejectAt);
+    detail::RateLimits limits = detail::noLimits;
+    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+        if (acceptAt < 1) {
+            limits.yes[row] = leastRateAt(calibration.bySteps[row], acceptAt);
+        }
+        if (rejectAt > 0) {
+            limits.no[row] = mostRateAt(calibration.bySteps[row], rejectAt);
         }
     }
     return limits;
 }
 
-const detail::RateLimits noLimits = [] {
-    detail::RateLimits limits{};
-    std::fill(std::begin(limits.yes), std::end(limits.yes), never);
-    std::fill(std::begin(limits.no), std::end(limits.no), unreachable);
-    return limits;
-}();
-
 }  // namespace
 
-Query::State::State(const State& other)
-    : a(other.a),
-      b(other.b),
-      descent(other.descent),
-      storageA(other.storageA),
-      storageB(other.storageB),
-      queue(other.queue),
-      task(other.task),
-      order(other.order),
-      maxDistance(other.maxDistance),
-      finished(other.finished),
-      leafPending(other.leafPending),
-      witness(other.witness),
-      hasWitness(other.hasWitness),
-      decision(other.decision),
-      settings(other.settings),
-      estimating(other.estimating),
-      ignoreLimits(other.ignoreLimits),
-      exactFrom(other.exactFrom),
-      limits(other.limits),
-      limitsOf(other.limitsOf),
-      cut(other.cut),
-      cutRates(other.cutRates),
-      cutSidesA(other.cutSidesA),
-      cutSidesB(other.cutSidesB) {
-    lend();
+std::unique_ptr<Query::State> Query::State::copyOf(const State& other) {
+    std::unique_ptr<State> copy(new State(other));
+    copy->lend();
+    return copy;
 }
 
 void Query::State::lend() {
-    descent.stackA = storageA.data();
-    descent.stackB = storageB.data();
-    descent.capacity = storageA.size();
-    descent.owner = this;
-    descent.grow = [](detail::Descent& borrower) {
-        auto& state = *static_cast<State*>(borrower.owner);
-        state.storageA.resize(2 * state.storageA.size());
-        state.storageB.resize(2 * state.storageB.size());
-        state.lend();
-    };
+    storage.lendTo(descent);
     cut.sidesA = cutSidesA.data();
     cut.sidesB = cutSidesB.data();
     cut.rates = cutRates.data();
@@ -130,12 +64,7 @@ bool Query::State::start(Task newTask, const Pose& bInA, Order newOrder, float d
     maxDistance = distance;
     finished = verdict == detail::PoseVerdict::apart || a->nodes.empty() || b->nodes.empty();
     descent.pose = bInA;
-    descent.nodesA = a->nodes.data();
-    descent.nodesB = b->nodes.data();
-    descent.distributionsA = a->distributions.data();
-    descent.distributionsB = b->distributions.data();
-    descent.leavesA = a->leaves.data();
-    descent.leavesB = b->leaves.data();
+    detail::setTrees(descent, *a, *b);
     return true;
 }
 
@@ -184,9 +113,10 @@ bool Query::State::useSettings(const DecideSettings& wanted) {
     if (wanted.estimateSteps > 0) {
         const Calibration* const calibration =
             wanted.calibration != nullptr ? wanted.calibration : &defaultCalibration();
-        if (limitsOf != calibration || settings.acceptAt != wanted.acceptAt || settings.rejectAt != wanted.rejectAt) {
-            limits = limitsFor(*calibration, wanted.acceptAt, wanted.rejectAt);
-            limitsOf = calibration;
+        if (limits.calibration != calibration || limits.acceptAt != wanted.acceptAt ||
+            limits.rejectAt != wanted.rejectAt) {
+            limits = {calibration, wanted.acceptAt, wanted.rejectAt,
+                      limitsFor(*calibration, wanted.acceptAt, wanted.rejectAt)};
         }
     }
     settings = wanted;
@@ -239,7 +169,7 @@ DescentEnd Query::State::nextOverlap(std::uint64_t units) {
             return pending;
         }
         if (order == Order::depthFirst) {
-            return detail::toOverlap(descent, detail::Nearest::byMargin, limit - descent.work);
+            return detail::toOverlap(descent, limit - descent.work);
         }
         const DescentEnd end = nextLeafPair(limit - descent.work);
         if (end != DescentEnd::found) {
@@ -269,8 +199,8 @@ float Query::State::collisionProbability() const {
     if (settings.estimateSteps == 0 || cut.steps == 0) {
         return 0.5F;
     }
-    return estimating ? probabilityAfter(*limitsOf, cut.rate, cut.steps)
-                      : probabilityAfterwards(*limitsOf, cut.rate, descent.work - exactFrom);
+    return estimating ? probabilityAfter(*limits.calibration, cut.rate, cut.steps)
+                      : probabilityAfterwards(*limits.calibration, cut.rate, descent.work - exactFrom);
 }
 
 Decision Query::State::goOn(const Budget& budget) {
@@ -285,8 +215,9 @@ Decision Query::State::goOn(const Budget& budget) {
                 if (end == DescentEnd::exhausted && estimating) {
                     const auto mostSteps = static_cast<std::uint32_t>(
                         std::min<std::uint64_t>(settings.estimateSteps, std::numeric_limits<std::uint32_t>::max()));
-                    switch (detail::toEstimate(descent, cut, limitsOf->formula, ignoreLimits ? noLimits : limits,
-                                               mostSteps, units - (descent.work - first))) {
+                    switch (detail::toEstimate(descent, cut, limits.calibration->formula,
+                                               ignoreLimits ? detail::noLimits : limits.rates, mostSteps,
+                                               units - (descent.work - first))) {
                         case EstimateEnd::exhausted:
                             return true;
                         case EstimateEnd::found:
@@ -310,7 +241,7 @@ Decision Query::State::goOn(const Budget& budget) {
                 return end != DescentEnd::budget;
             });
         finished = end != DescentEnd::budget;
-        ignoreLimits = sure;
+        ignoreLimits = ignoreLimits || sure;
         decision.work = descent.work;
         if (end == DescentEnd::found) {
             decision.collides = true;
@@ -348,10 +279,10 @@ bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode)
 }
 
 Query::Query(const Tree& a, const Tree& b) : m_state(std::make_unique<State>(a, b)) {}
-Query::Query(const Query& other) : m_state(std::make_unique<State>(*other.m_state)) {}
+Query::Query(const Query& other) : m_state(State::copyOf(*other.m_state)) {}
 Query& Query::operator=(const Query& other) {
     if (this != &other) {
-        m_state = std::make_unique<State>(*other.m_state);
+        m_state = State::copyOf(*other.m_state);
     }
     return *this;
 }

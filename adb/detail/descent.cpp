@@ -10,34 +10,29 @@
 #include <hwy/foreach_target.h>
 
 #include <grapeshot/adb/detail/child_sides.hpp>
-#include <grapeshot/adb/detail/surface_pair.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace grapeshot::detail::HWY_NAMESPACE {
 
-/// The sixteen pairs below a pair: which of them touch, and a number that is the larger the sooner one is taken up.
+/// The sixteen pairs below a pair: which of them touch, and by how much, m.
 struct Tested {
     std::uint32_t mask;
-    Float16 key;
+    Float16 margin;
 };
-template <Nearest nearest>
 HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Side b) {
     Tested out;
     const std::uint32_t meant = withChildren(
         descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
             Float16 apart[3];
-            out.key = marginsOf(pose, childrenA, childrenB, apart);
-            out.mask = touching(*pose.pose, out.key);
-            if constexpr (nearest == Nearest::byDistribution) {
-                out.key = -closenessOf(*pose.pose, childrenA, childrenB, apart).squaredDistance;
-            }
+            out.margin = marginsOf(pose, childrenA, childrenB, apart);
+            out.mask = touching(*pose.pose, out.margin);
         });
     out.mask &= meant;
     return out;
 }
 
-/// Pushes the touching children, the one with the largest key last, so that it is taken up next; the others stay in the
-/// order of their lanes. Sorting them all costs more than it saves.
+/// Pushes the touching children, the one with the largest margin last, so that it is taken up next; the others stay in
+/// the order of their lanes. Sorting them all costs more than it saves.
 HWY_INLINE void push(Descent& descent, Side a, Side b, const Tested& tested) {
     if (tested.mask == 0) {
         return;
@@ -45,9 +40,9 @@ HWY_INLINE void push(Descent& descent, Side a, Side b, const Tested& tested) {
     if (descent.depth + stackRoom > descent.capacity) [[unlikely]] {
         descent.grow(descent);
     }
-    const Float16 keys = select(maskOf(tested.mask), tested.key, wide(-std::numeric_limits<float>::infinity()));
+    const Float16 margins = select(maskOf(tested.mask), tested.margin, wide(-std::numeric_limits<float>::infinity()));
     // Nothing is equal if the largest is NaN.
-    const std::uint32_t best = bits(keys == wide(largestLane(keys))) & tested.mask;
+    const std::uint32_t best = bits(margins == wide(largestLane(margins))) & tested.mask;
     const auto lane = static_cast<std::uint32_t>(__builtin_ctz(best != 0 ? best : tested.mask));
     const FourSides fourA = sidesOf(descent.nodesA, a);
     const FourSides fourB = sidesOf(descent.nodesB, b);
@@ -63,8 +58,7 @@ HWY_INLINE SidePair top(const Descent& descent) {
     return sidePair(descent.stackA[descent.depth - 1], descent.stackB[descent.depth - 1]);
 }
 
-template <Nearest nearest>
-HWY_INLINE DescentEnd descendToOverlap(Descent& descent, std::uint64_t units) {
+DescentEnd toOverlap(Descent& descent, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
     for (; descent.depth > 0; --units) {
         if (units == 0) {
@@ -85,14 +79,9 @@ HWY_INLINE DescentEnd descendToOverlap(Descent& descent, std::uint64_t units) {
             }
             continue;
         }
-        push(descent, a, b, test<nearest>(descent, pose, a, b));
+        push(descent, a, b, test(descent, pose, a, b));
     }
     return DescentEnd::exhausted;
-}
-
-DescentEnd toOverlap(Descent& descent, Nearest nearest, std::uint64_t units) {
-    return nearest == Nearest::byMargin ? descendToOverlap<Nearest::byMargin>(descent, units)
-                                        : descendToOverlap<Nearest::byDistribution>(descent, units);
 }
 
 DescentEnd toLeafPair(Descent& descent, std::uint64_t units) {
@@ -112,7 +101,7 @@ DescentEnd toLeafPair(Descent& descent, std::uint64_t units) {
         --descent.depth;
         const Side a = sideA(pair);
         const Side b = sideB(pair);
-        push(descent, a, b, test<Nearest::byMargin>(descent, pose, a, b));
+        push(descent, a, b, test(descent, pose, a, b));
     }
     return DescentEnd::exhausted;
 }
@@ -121,11 +110,11 @@ int touchingChildren(const Descent& descent, SidePair pair, TouchingChild (&chil
     const WidePose pose = widened(descent.prepared);
     const Side a = sideA(pair);
     const Side b = sideB(pair);
-    const Tested tested = test<Nearest::byMargin>(descent, pose, a, b);
+    const Tested tested = test(descent, pose, a, b);
     const FourSides fourA = sidesOf(descent.nodesA, a);
     const FourSides fourB = sidesOf(descent.nodesB, b);
     alignas(64) float margin[16];
-    store(tested.key, margin);
+    store(tested.margin, margin);
     int count = 0;
     for (std::uint32_t rest = tested.mask; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
@@ -144,9 +133,9 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-DescentEnd toOverlap(Descent& descent, Nearest nearest, std::uint64_t units) noexcept {
+DescentEnd toOverlap(Descent& descent, std::uint64_t units) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toOverlap);
-    return kernel.chosen()(descent, nearest, units);
+    return kernel.chosen()(descent, units);
 }
 
 DescentEnd toLeafPair(Descent& descent, std::uint64_t units) noexcept {

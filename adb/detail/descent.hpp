@@ -42,6 +42,16 @@ inline void push(Descent& descent, SidePair pair) noexcept {
     }
 }
 
+/// The trees to descend into; they must stay where they are.
+inline void setTrees(Descent& descent, const Tree& a, const Tree& b) noexcept {
+    descent.nodesA = a.nodes.data();
+    descent.nodesB = b.nodes.data();
+    descent.distributionsA = a.distributions.data();
+    descent.distributionsB = b.distributions.data();
+    descent.leavesA = a.leaves.data();
+    descent.leavesB = b.leaves.data();
+}
+
 [[nodiscard]] inline const LeafBlock& blockA(const Descent& descent, SidePair leaves) noexcept {
     return descent.leavesA[leafOf(descent.nodesA, sideA(leaves))];
 }
@@ -55,15 +65,8 @@ enum class DescentEnd {
     budget,
 };
 
-/// Which of the children is taken up first.
-enum class Nearest {
-    byMargin,        ///< whose boxes overlap deepest: cheap
-    byDistribution,  ///< whose surfaces are nearest in their own spreads (see surface_pair.hpp): a third fewer steps to
-                     ///< an intersection, but each costs a third more; if there is none, nothing is gained
-};
-
 /// To the first leaf pair with overlapping triangles, spending at most `units`.
-DescentEnd toOverlap(Descent& descent, Nearest nearest, std::uint64_t units) noexcept;
+DescentEnd toOverlap(Descent& descent, std::uint64_t units) noexcept;
 
 /// To the next leaf pair whose boxes touch. Finding it costs no unit by itself.
 DescentEnd toLeafPair(Descent& descent, std::uint64_t units) noexcept;

@@ -69,9 +69,11 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         if (cut.count == 0) {
             return EstimateEnd::exhausted;
         }
-        const std::size_t row = cut.steps < limitSteps ? cut.steps : limitSteps - 1;
-        if (cut.rate >= limits.yes[row] || cut.rate <= limits.no[row]) {
-            return EstimateEnd::limit;
+        if (cut.steps > 0) {
+            const std::size_t row = Calibration::rowOf(cut.steps);
+            if (cut.rate >= limits.yes[row] || cut.rate <= limits.no[row]) {
+                return EstimateEnd::limit;
+            }
         }
         if (cut.steps >= mostSteps || cut.count > mostOfCut) {
             return EstimateEnd::handOver;

@@ -8,18 +8,29 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <grapeshot/adb/calibration.hpp>
 #include <grapeshot/adb/detail/descent.hpp>
 
 namespace grapeshot::detail {
 
-/// When to stop: after k steps at yes[k] or more, at no[k] or less. The last entry also stands for all later steps.
-inline constexpr std::size_t limitSteps = 64;
+/// When to stop: in a row of the calibration's steps at yes[row] or more, at no[row] or less.
 struct RateLimits {
-    float yes[limitSteps];
-    float no[limitSteps];
+    float yes[Calibration::stepRows];
+    float no[Calibration::stepRows];
 };
+/// Rates are never so large, and never so small.
+inline constexpr float unreachableYes = std::numeric_limits<float>::infinity();
+inline constexpr float unreachableNo = -1;
+inline constexpr RateLimits noLimits = [] {
+    RateLimits limits{};
+    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+        limits.yes[row] = unreachableYes;
+        limits.no[row] = unreachableNo;
+    }
+    return limits;
+}();
 
 /// A cut through the tree of pairs: every pair that touches lies below one of its entries, or was tested. Plain data,
 /// in borrowed memory.

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <array>
-#include <vector>
+#include <memory>
 
 #include <grapeshot/adb/detail/descent.hpp>
 #include <grapeshot/adb/detail/estimate.hpp>
 #include <grapeshot/adb/detail/pair_queue.hpp>
 #include <grapeshot/adb/detail/spending.hpp>
+#include <grapeshot/adb/detail/stack_storage.hpp>
 #include <grapeshot/adb/query.hpp>
 
 namespace grapeshot {
@@ -15,8 +16,8 @@ namespace grapeshot {
 struct Query::State {
     enum class Task { none, decide, contacts, leafPairs };
 
-    State(const Tree& treeA, const Tree& treeB) : a(&treeA), b(&treeB), storageA(512), storageB(512) { lend(); }
-    State(const State& other);
+    State(const Tree& treeA, const Tree& treeB) : a(&treeA), b(&treeB) { lend(); }
+    static std::unique_ptr<State> copyOf(const State& other);
     State& operator=(const State&) = delete;
     ~State() = default;
 
@@ -41,14 +42,13 @@ struct Query::State {
     template <typename Result, typename Run>
     void goOn(Task which, const Budget& budget, Result& out, const Run& run);
 
-    /// The descent and the cut work on borrowed memory, because code compiled per instruction set calls nothing of the
-    /// standard library.
+    /// The descent and the cut work on borrowed memory: that of this object.
     void lend();
 
     const Tree* a;
     const Tree* b;
     detail::Descent descent;
-    std::vector<detail::Side> storageA, storageB;
+    detail::StackStorage storage;
     detail::PairQueue queue;
     Task task = Task::none;
     Order order = Order::depthFirst;
@@ -63,11 +63,19 @@ struct Query::State {
     bool estimating = false;      ///< the cut holds what is left, not the stack or the queue
     bool ignoreLimits = false;    ///< it was sure enough once
     std::uint64_t exactFrom = 0;  ///< work when the estimate handed over
-    detail::RateLimits limits{};  ///< of `settings`
-    const Calibration* limitsOf = nullptr;
+    /// Of `settings`, in rates; of those that they were worked out for last, if `settings` needs none.
+    struct Limits {
+        const Calibration* calibration = nullptr;
+        float acceptAt = 0;
+        float rejectAt = 0;
+        detail::RateLimits rates = detail::noLimits;
+    } limits;
     detail::Cut cut;
     alignas(64) std::array<float, detail::cutCapacity> cutRates{};
     std::array<detail::Side, detail::cutCapacity> cutSidesA{}, cutSidesB{};
+
+  private:
+    State(const State&) = default;  // the copy still borrows from the original
 };
 
 }  // namespace grapeshot

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <grapeshot/adb/calibration.hpp>
@@ -47,6 +48,38 @@ TEST(Calibration, RowsAndKnotsAreWhereTheyShouldBe) {
     EXPECT_NEAR(probabilityAfter(calibration, std::exp2(0.25F), 1), 0.1025, 1e-6);  // half-way to the next knot
     EXPECT_NEAR(probabilityAfter(calibration, 1e30F, 1), 0.2, 1e-6);
     EXPECT_NEAR(probabilityAfter(calibration, 0, 1), 0, 1e-6);
+}
+
+TEST(Calibration, RatesAndProbabilitiesAreInverse) {
+    const Calibration& calibration = defaultCalibration();
+    int reached = 0;
+    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+        const std::uint64_t steps = std::uint64_t{1} << row;
+        EXPECT_EQ(Calibration::rowOf(steps), row);
+        const auto at = [&](double rate) { return probabilityAfter(calibration, static_cast<float>(rate), steps); };
+        for (const float p : {0.0001F, 0.001F, 0.02F, 0.3F, 0.5F, 0.77F, 0.95F, 0.999F, 0.9999F}) {
+            const double least = leastRateAt(calibration.bySteps[row], p);
+            if (std::isfinite(least) && least > 0) {
+                ++reached;
+                EXPECT_GE(at(least * 1.0001), p);
+                EXPECT_LT(at(least * 0.9999), p + 1e-6F);
+                EXPECT_LT(at(least * 0.7), p);
+            }
+            const double most = mostRateAt(calibration.bySteps[row], p);
+            if (std::isfinite(most) && most > 0) {
+                EXPECT_LE(at(most * 0.9999), p);
+                EXPECT_GT(at(most * 1.42), p);
+                EXPECT_LE(least, most * 1.0001);
+            }
+        }
+    }
+    EXPECT_GT(reached, 40);
+    Calibration::Row flat{};
+    EXPECT_EQ(leastRateAt(flat, 0.5F), std::numeric_limits<float>::infinity());
+    EXPECT_EQ(mostRateAt(flat, 0.5F), std::numeric_limits<float>::infinity());
+    flat.fill(0.8F);
+    EXPECT_EQ(leastRateAt(flat, 0.5F), 0);
+    EXPECT_EQ(mostRateAt(flat, 0.5F), -1);
 }
 
 TEST(Calibration, TextComesBackToTheLastBit) {

@@ -171,6 +171,41 @@ TEST(Estimate, SureEnoughGoesOnUntilCertain) {
     EXPECT_GT(stoppedEarly, 100);
 }
 
+TEST(Estimate, SureEnoughGoesOnInPiecesToo) {
+    const DecideSettings loose{.estimateSteps = unlimited, .acceptAt = 0.8F, .rejectAt = 0.2F};
+    int stoppedEarly = 0;
+    for (const Case& pair : cases()) {
+        Query query(pair.a, pair.b);
+        for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
+            Decision decision = query.decide(pair.poses[i], loose);
+            stoppedEarly += decision.stop == StopReason::probability ? 1 : 0;
+            while (!decision.certain) {
+                const Decision next = query.resume({.work = 2});
+                ASSERT_NE(next.stop, StopReason::probability);
+                ASSERT_GT(next.work, decision.work);
+                decision = next;
+            }
+        }
+    }
+    EXPECT_GT(stoppedEarly, 50);
+}
+
+TEST(Estimate, SettingsOfTheLastQueryDoNotMatter) {
+    // Settings alternate on one object; limits that it has worked out for one must not serve another.
+    const DecideSettings loose{.estimateSteps = unlimited, .acceptAt = 0.7F, .rejectAt = 0.3F};
+    const DecideSettings sequence[] = {loose, DecideSettings::exact(), toTheEnd(), DecideSettings(), loose, toTheEnd()};
+    for (const Case& pair : cases()) {
+        Query shared(pair.a, pair.b);
+        for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
+            for (DecideSettings settings : sequence) {
+                settings.tryWitness = false;
+                ASSERT_TRUE(same(shared.decide(pair.poses[i], settings),
+                                 Query(pair.a, pair.b).decide(pair.poses[i], settings)));
+            }
+        }
+    }
+}
+
 TEST(Estimate, SameBytesOnEveryInstructionSet) {
     const InstructionSetGuard guard;
     for (const Case& pair : cases()) {

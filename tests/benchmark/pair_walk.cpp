@@ -7,32 +7,12 @@
 namespace grapeshot::bench {
 
 PairWalk::PairWalk(const Tree& a, const Tree& b)
-    : m_stackA(1024), m_stackB(1024), m_cutA(detail::cutCapacity), m_cutB(detail::cutCapacity) {
-    m_descent.nodesA = a.nodes.data();
-    m_descent.nodesB = b.nodes.data();
-    m_descent.distributionsA = a.distributions.data();
-    m_descent.distributionsB = b.distributions.data();
-    m_descent.leavesA = a.leaves.data();
-    m_descent.leavesB = b.leaves.data();
-    m_descent.owner = this;
-    m_descent.grow = [](detail::Descent& descent) {
-        auto& walk = *static_cast<PairWalk*>(descent.owner);
-        walk.m_stackA.resize(2 * walk.m_stackA.size());
-        walk.m_stackB.resize(2 * walk.m_stackB.size());
-        walk.lend();
-    };
+    : m_cutA(detail::cutCapacity), m_cutB(detail::cutCapacity), m_radiusA(a.radius), m_radiusB(b.radius) {
+    detail::setTrees(m_descent, a, b);
+    m_stack.lendTo(m_descent);
     m_cut.sidesA = m_cutA.data();
     m_cut.sidesB = m_cutB.data();
     m_cut.rates = m_rates;
-    m_radiusA = a.radius;
-    m_radiusB = b.radius;
-    lend();
-}
-
-void PairWalk::lend() {
-    m_descent.stackA = m_stackA.data();
-    m_descent.stackB = m_stackB.data();
-    m_descent.capacity = m_stackA.size();
 }
 
 bool PairWalk::start(const Pose& bInA) {
@@ -47,13 +27,8 @@ bool PairWalk::start(const Pose& bInA) {
 }
 
 detail::EstimateEnd PairWalk::estimate(const RateFormula& formula) {
-    static const detail::RateLimits none = [] {
-        detail::RateLimits limits{};
-        std::fill(std::begin(limits.yes), std::end(limits.yes), std::numeric_limits<float>::infinity());
-        std::fill(std::begin(limits.no), std::end(limits.no), -1.0F);
-        return limits;
-    }();
-    return detail::toEstimate(m_descent, m_cut, formula, none, std::numeric_limits<std::uint32_t>::max(), 1);
+    return detail::toEstimate(m_descent, m_cut, formula, detail::noLimits, std::numeric_limits<std::uint32_t>::max(),
+                              1);
 }
 
 int PairWalk::children(detail::SidePair pair, detail::ChildPair (&out)[16]) const {
@@ -62,7 +37,7 @@ int PairWalk::children(detail::SidePair pair, detail::ChildPair (&out)[16]) cons
 
 bool PairWalk::descend(std::uint64_t& steps) {
     m_descent.work = 0;
-    const bool found = detail::toOverlap(m_descent, detail::Nearest::byMargin, unlimited) == detail::DescentEnd::found;
+    const bool found = detail::toOverlap(m_descent, unlimited) == detail::DescentEnd::found;
     steps = m_descent.work;
     return found;
 }

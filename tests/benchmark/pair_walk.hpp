@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <grapeshot/adb/detail/estimate.hpp>
+#include <grapeshot/adb/detail/stack_storage.hpp>
 #include <grapeshot/core/budget.hpp>
 
 namespace grapeshot::bench {
@@ -30,10 +31,9 @@ class PairWalk {
 
   private:
     bool descend(std::uint64_t& steps);
-    void lend();
 
     detail::Descent m_descent;
-    std::vector<detail::Side> m_stackA, m_stackB;
+    detail::StackStorage m_stack;
     detail::Cut m_cut;
     std::vector<detail::Side> m_cutA, m_cutB;
     alignas(64) float m_rates[detail::cutCapacity] = {};

@@ -51,27 +51,9 @@ Tree truncated(const Tree& tree, int triangles) {
     return result;
 }
 
-TruncatedQuery::TruncatedQuery(const Tree& a, const Tree& b) : m_a(&a), m_b(&b), m_storageA(512), m_storageB(512) {
-    m_descent.nodesA = a.nodes.data();
-    m_descent.nodesB = b.nodes.data();
-    m_descent.distributionsA = a.distributions.data();
-    m_descent.distributionsB = b.distributions.data();
-    m_descent.leavesA = a.leaves.data();
-    m_descent.leavesB = b.leaves.data();
-    m_descent.owner = this;
-    m_descent.grow = [](detail::Descent& borrower) {
-        auto& query = *static_cast<TruncatedQuery*>(borrower.owner);
-        query.m_storageA.resize(2 * query.m_storageA.size());
-        query.m_storageB.resize(2 * query.m_storageB.size());
-        query.lend();
-    };
-    lend();
-}
-
-void TruncatedQuery::lend() {
-    m_descent.stackA = m_storageA.data();
-    m_descent.stackB = m_storageB.data();
-    m_descent.capacity = m_storageA.size();
+TruncatedQuery::TruncatedQuery(const Tree& a, const Tree& b) : m_a(&a), m_b(&b) {
+    detail::setTrees(m_descent, a, b);
+    m_stack.lendTo(m_descent);
 }
 
 void TruncatedQuery::start(const Pose& bInA) {

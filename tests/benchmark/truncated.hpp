@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <grapeshot/adb/detail/descent.hpp>
+#include <grapeshot/adb/detail/stack_storage.hpp>
 #include <grapeshot/adb/tree.hpp>
 
 #include "peer.hpp"
@@ -33,12 +34,10 @@ class TruncatedQuery {
     [[nodiscard]] std::uint64_t work() const { return m_descent.work; }
 
   private:
-    void lend();
-
     const Tree* m_a;
     const Tree* m_b;
     detail::Descent m_descent;
-    std::vector<detail::Side> m_storageA, m_storageB;
+    detail::StackStorage m_stack;
     bool m_found = false;
 };
 
