@@ -5,22 +5,19 @@
 #include <cmath>
 #include <string>
 
+#include <grapeshot/adb/detail/require_setting.hpp>
 #include <grapeshot/adb/detail/selected_count.hpp>
-#include <grapeshot/core/error.hpp>
 
 namespace grapeshot {
+
+using detail::requireSetting;
+
 namespace {
 
 /// Of the key's draws, one that nothing else takes.
 constexpr std::uint32_t auditDraw = 0xa0d17U;
 /// When so many more wait than when the last period began, another one begins.
 constexpr std::uint64_t waitingPerPeriod = 8;
-
-void require(bool fine, const char* place, double value) {
-    if (!fine) {
-        throw Error(Fault::badSetting, std::to_string(value), place);
-    }
-}
 
 std::uint64_t all(const Audit::Answers& answers) noexcept {
     return answers.certain + answers.estimated().estimated;
@@ -35,11 +32,12 @@ double rate(std::uint64_t wrong, std::uint64_t right) noexcept {
 
 Audit::Audit(const AuditSettings& settings) : m_settings(settings), m_mostWaiting(waitingPerPeriod) {
     const auto isRate = [](double value) { return value > 0 && value < 1; };
-    require(settings.share > 0 && settings.share <= 0.5, "AuditSettings::share", settings.share);
-    require(settings.workShare > 0 && settings.workShare <= 1, "AuditSettings::workShare", settings.workShare);
-    require(settings.confidence >= 0.5 && settings.confidence < 1, "AuditSettings::confidence", settings.confidence);
-    require(isRate(settings.missLimit), "AuditSettings::missLimit", settings.missLimit);
-    require(isRate(settings.falseAlarmLimit), "AuditSettings::falseAlarmLimit", settings.falseAlarmLimit);
+    requireSetting(settings.share > 0 && settings.share <= 0.5, "AuditSettings::share", settings.share);
+    requireSetting(settings.workShare > 0 && settings.workShare <= 1, "AuditSettings::workShare", settings.workShare);
+    requireSetting(settings.confidence >= 0.5 && settings.confidence < 1, "AuditSettings::confidence",
+                   settings.confidence);
+    requireSetting(isRate(settings.missLimit), "AuditSettings::missLimit", settings.missLimit);
+    requireSetting(isRate(settings.falseAlarmLimit), "AuditSettings::falseAlarmLimit", settings.falseAlarmLimit);
 }
 
 Audit::Tally Audit::Answers::estimated() const noexcept {

@@ -7,10 +7,14 @@
 
 #include <grapeshot/adb/certification_poses.hpp>
 #include <grapeshot/adb/detail/fixed_sequence.hpp>
+#include <grapeshot/adb/detail/require_setting.hpp>
 #include <grapeshot/adb/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
 
 namespace grapeshot {
+
+using detail::requireSetting;
+
 namespace {
 
 /// The levels of both paths: the probability of being wrong at which an estimate is taken for an answer, from 0.0005 in
@@ -25,22 +29,17 @@ constexpr std::array<float, levelCount> levels = [] {
     return values;
 }();
 
-void require(bool fine, const char* place, double value) {
-    if (!fine) {
-        throw Error(Fault::badSetting, std::to_string(value), place);
-    }
-}
-
 void check(const CertificationSettings& settings) {
     const auto isRate = [](double rate) { return rate > 0 && rate < 1; };
-    require(isRate(settings.missLimit), "CertificationSettings::missLimit", settings.missLimit);
-    require(isRate(settings.falseAlarmLimit), "CertificationSettings::falseAlarmLimit", settings.falseAlarmLimit);
-    require(settings.confidence >= 0.5 && settings.confidence < 1, "CertificationSettings::confidence",
-            settings.confidence);
-    require(settings.poses >= 1 && settings.poses <= 10'000'000, "CertificationSettings::poses",
-            static_cast<double>(settings.poses));
-    require(settings.estimateSteps >= 1, "CertificationSettings::estimateSteps",
-            static_cast<double>(settings.estimateSteps));
+    requireSetting(isRate(settings.missLimit), "CertificationSettings::missLimit", settings.missLimit);
+    requireSetting(isRate(settings.falseAlarmLimit), "CertificationSettings::falseAlarmLimit",
+                   settings.falseAlarmLimit);
+    requireSetting(settings.confidence >= 0.5 && settings.confidence < 1, "CertificationSettings::confidence",
+                   settings.confidence);
+    requireSetting(settings.poses >= 1 && settings.poses <= 10'000'000, "CertificationSettings::poses",
+                   static_cast<double>(settings.poses));
+    requireSetting(settings.estimateSteps >= 1, "CertificationSettings::estimateSteps",
+                   static_cast<double>(settings.estimateSteps));
 }
 
 /// One pair of trees, its poses sorted by their truth, and what has been spent.

@@ -11,36 +11,17 @@
 #include <support/test_size.hpp>
 
 #include "meshes.hpp"
+#include "pair_cases.hpp"
 
 namespace grapeshot::test {
 namespace {
 
-struct Case {
-    Tree a;
-    Tree b;
-    std::vector<Pose> poses;
-};
-
-/// Pairs of some thousand triangles with Zachmann poses.
-const std::vector<Case>& cases() {
-    static const std::vector<Case> all = [] {
-        const scenes::Mesh bumpy = scenes::normalised(scenes::bumpySphere(1, 0.25F, 6, 10));
-        const scenes::Mesh knot = scenes::normalised(scenes::torusKnot(2, 3, 1, 0.5F, 0.2F, 100, 10));
-        const scenes::Mesh gear = scenes::normalised(scenes::gear(1, 0.2F, 0.3F, 0.3F, 12, 2));
-        std::vector<Case> out;
-        for (const auto& [first, second] : {std::pair{&bumpy, &bumpy}, {&knot, &gear}, {&gear, &knot}}) {
-            Case& added = out.emplace_back(Case{build(first->view()), build(second->view()), {}});
-            const int perDistance = static_cast<int>(sampleSize(8, 100));
-            added.poses = zachmannPoses(added.a, added.b, 6, perDistance, 9).poses;
-        }
-        return out;
-    }();
+const std::vector<PairCase>& cases() {
+    static const std::vector<PairCase> all =
+        pairCases({scenes::bumpySphere(1, 0.25F, 6, 10), scenes::torusKnot(2, 3, 1, 0.5F, 0.2F, 100, 10),
+                   scenes::gear(1, 0.2F, 0.3F, 0.3F, 12, 2)},
+                  6, static_cast<int>(sampleSize(8, 100)), 9);
     return all;
-}
-
-bool same(const Decision& a, const Decision& b) {
-    return a.collides == b.collides && a.certain == b.certain && a.stop == b.stop && a.work == b.work &&
-           a.witness == b.witness && a.probability == b.probability;
 }
 
 void expectSame(const Contacts& a, const Contacts& b) {
@@ -60,7 +41,7 @@ void expectSame(const Contacts& a, const Contacts& b) {
 constexpr Order orders[] = {Order::depthFirst, Order::bestFirst};
 
 TEST(Laws, SampleIsRepresentative) {
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         Query query(pair.a, pair.b);
         const auto colliding = std::count_if(pair.poses.begin(), pair.poses.end(), [&](const Pose& pose) {
             return query.decide(pose, DecideSettings::exact()).collides;
@@ -71,7 +52,7 @@ TEST(Laws, SampleIsRepresentative) {
 }
 
 TEST(Laws, SwappedBodiesCollideAlike) {
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         Query query(pair.a, pair.b);
         Query swapped(pair.b, pair.a);
         const double size = sizeOf(pair.a) + sizeOf(pair.b);
@@ -89,7 +70,7 @@ TEST(Laws, SwappedBodiesCollideAlike) {
 
 TEST(Laws, MovingBothBodiesChangesNothing) {
     Random random(6);
-    const Case& pair = cases()[0];
+    const PairCase& pair = cases()[0];
     Query query(pair.a, pair.b);
     for (std::size_t i = 0; i < pair.poses.size(); i += 8) {
         // The same surfaces, A's in another frame.
@@ -110,7 +91,7 @@ TEST(Laws, MovingBothBodiesChangesNothing) {
 }
 
 TEST(Laws, BothOrdersEndAlike) {
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         Query query(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {
             EXPECT_EQ(query.decide(pose, DecideSettings::exact(Order::depthFirst)).collides,
@@ -131,7 +112,7 @@ TEST(Laws, BothOrdersEndAlike) {
 
 TEST(Laws, ResumedAnywhereIsUninterrupted) {
     Random random(7);
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         for (const Order order : orders) {
             Query whole(pair.a, pair.b);
             Query pieces(pair.a, pair.b);
@@ -158,7 +139,7 @@ TEST(Laws, ResumedAnywhereIsUninterrupted) {
 
 TEST(Laws, ResumedContactsAreUninterrupted) {
     Random random(8);
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         Query whole(pair.a, pair.b);
         Query pieces(pair.a, pair.b);
         for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
@@ -189,7 +170,7 @@ TEST(Laws, ResumedContactsAreUninterrupted) {
 }
 
 TEST(Laws, MoreBudgetIsNeverWorse) {
-    const Case& pair = cases()[0];
+    const PairCase& pair = cases()[0];
     for (const Order order : orders) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
             const bool truth = Query(pair.a, pair.b).decide(pair.poses[i], DecideSettings::exact()).collides;
@@ -207,7 +188,7 @@ TEST(Laws, MoreBudgetIsNeverWorse) {
 }
 
 TEST(Laws, NoBudgetSaysWhatIsKnown) {
-    const Case& pair = cases()[0];
+    const PairCase& pair = cases()[0];
     Query query(pair.a, pair.b);
     for (const Budget& none :
          {Budget{0}, Budget{unlimited, std::chrono::nanoseconds(0)}, Budget{unlimited, std::chrono::nanoseconds(-5)}}) {
@@ -229,7 +210,7 @@ std::chrono::nanoseconds tickingClock() noexcept {
 }
 
 TEST(Laws, TimeIsLookedAtEvery32Units) {
-    const Case& pair = cases()[0];
+    const PairCase& pair = cases()[0];
     Query query(pair.a, pair.b);
     const ContactSettings settings{0.05F, Order::depthFirst};
     const Contacts all = query.contacts(Pose{Eigen::Matrix3f::Identity(), {0.3F, 0, 0}}, settings);
@@ -245,7 +226,7 @@ TEST(Laws, TimeIsLookedAtEvery32Units) {
 }
 
 TEST(Laws, ACopyResumesOnItsOwn) {
-    const Case& pair = cases()[1];
+    const PairCase& pair = cases()[1];
     for (const Order order : orders) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 5) {
             Query original(pair.a, pair.b);
@@ -266,7 +247,7 @@ TEST(Laws, ACopyResumesOnItsOwn) {
 }
 
 TEST(Laws, NothingToResume) {
-    const Case& pair = cases()[0];
+    const PairCase& pair = cases()[0];
     Query query(pair.a, pair.b);
     Contacts contacts;
     LeafPairs leaves;
@@ -282,7 +263,7 @@ TEST(Laws, NothingToResume) {
 TEST(Laws, EveryInstructionSetGivesTheSameBytes) {
     const InstructionSetGuard guard;
     const std::vector<InstructionSet> sets = instructionSets();
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         for (const Order order : orders) {
             std::vector<Decision> decisions;
             std::vector<Contacts> contacts;
@@ -312,7 +293,7 @@ TEST(Laws, EveryInstructionSetGivesTheSameBytes) {
 }
 
 TEST(Laws, SameTwice) {
-    for (const Case& pair : cases()) {
+    for (const PairCase& pair : cases()) {
         Query first(pair.a, pair.b);
         Query second(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {

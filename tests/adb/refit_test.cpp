@@ -7,6 +7,7 @@
 #include <grapeshot/adb/query.hpp>
 #include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/error.hpp>
+#include <support/fault_of.hpp>
 #include <support/oracle.hpp>
 #include <support/poses.hpp>
 
@@ -95,22 +96,17 @@ TEST(Refit, RefusesAndLeavesTheTreeAlone) {
     const scenes::Mesh mesh = scenes::sphere(1, 3);
     const Tree built = build(mesh.view());
     Tree tree = built;
-    const auto faultOf = [&tree](const std::vector<Eigen::Vector3f>& vertices) -> std::optional<Fault> {
-        try {
-            refit(tree, vertices);
-        } catch (const Error& error) {
-            return error.fault();
-        }
-        return std::nullopt;
+    const auto faultOfRefit = [&tree](const std::vector<Eigen::Vector3f>& vertices) {
+        return faultOf([&] { refit(tree, vertices); });
     };
     std::vector<Eigen::Vector3f> vertices = mesh.vertices;
     vertices.pop_back();
-    EXPECT_EQ(faultOf(vertices), Fault::topologyChanged);
+    EXPECT_EQ(faultOfRefit(vertices), Fault::topologyChanged);
     vertices = mesh.vertices;
     vertices[7].z() = std::numeric_limits<float>::infinity();
-    EXPECT_EQ(faultOf(vertices), Fault::notFinite);
+    EXPECT_EQ(faultOfRefit(vertices), Fault::notFinite);
     vertices[7].z() = -3e15F;
-    EXPECT_EQ(faultOf(vertices), Fault::tooLarge);
+    EXPECT_EQ(faultOfRefit(vertices), Fault::tooLarge);
     EXPECT_EQ(std::memcmp(tree.nodes.data(), built.nodes.data(), built.nodes.size() * sizeof(Node)), 0);
     EXPECT_EQ(tree.vertices, built.vertices);
 }

@@ -9,22 +9,13 @@
 #include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/error.hpp>
 
+#include <support/fault_of.hpp>
 #include "meshes.hpp"
 
 namespace grapeshot::test {
 namespace {
 
 using ::testing::IsEmpty;
-
-template <typename Call>
-std::optional<Fault> faultOf(const Call& call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.fault();
-    }
-    return std::nullopt;
-}
 
 /// Levels of nodes, by descent.
 std::size_t depthOf(const Tree& tree) {

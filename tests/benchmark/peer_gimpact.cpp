@@ -3,9 +3,10 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
+
+#include <scenes/triangle_arrays.hpp>
 
 #include "peer.hpp"
 
@@ -14,17 +15,8 @@ namespace grapeshot::bench {
 namespace {
 
 struct Body {
-    explicit Body(MeshView mesh) {
-        btIndexedMesh part;
-        part.m_numTriangles = static_cast<int>(mesh.triangles.size());
-        part.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(mesh.triangles.data());
-        part.m_triangleIndexStride = sizeof(Triangle);
-        part.m_numVertices = static_cast<int>(mesh.vertices.size());
-        part.m_vertexBase = reinterpret_cast<const unsigned char*>(mesh.vertices.data());
-        part.m_vertexStride = sizeof(Eigen::Vector3f);
-        part.m_vertexType = PHY_FLOAT;
-        arrays.addIndexedMesh(part, PHY_INTEGER);
-        shape = std::make_unique<btGImpactMeshShape>(&arrays);
+    explicit Body(MeshView mesh) : arrays(scenes::arraysOf(mesh)) {
+        shape = std::make_unique<btGImpactMeshShape>(arrays.get());
         shape->setMargin(0);
         shape->updateBound();
         object.setCollisionShape(shape.get());
@@ -32,7 +24,7 @@ struct Body {
     [[nodiscard]] btCollisionObjectWrapper wrapper() const {
         return {nullptr, shape.get(), &object, object.getWorldTransform(), -1, -1};
     }
-    btTriangleIndexVertexArray arrays;
+    std::unique_ptr<btTriangleIndexVertexArray> arrays;
     std::unique_ptr<btGImpactMeshShape> shape;
     btCollisionObject object;
 };

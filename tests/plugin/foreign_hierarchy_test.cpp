@@ -7,6 +7,7 @@
 #include <grapeshot/adb/query.hpp>
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/plugin/detail/shape_mesh.hpp>
+#include <support/fault_of.hpp>
 #include <support/poses.hpp>
 #include <support/test_size.hpp>
 
@@ -278,16 +279,6 @@ TEST(ForeignHierarchy, TimeForTheRecord) {
     RecordProperty("buildMicroseconds", microsecondsOf([&] { (void)build(mesh.view()); }));
     RecordProperty("hierarchyOfMicroseconds", microsecondsOf([&] { (void)shape.hierarchy(); }));
     RecordProperty("augmentMicroseconds", microsecondsOf([&] { (void)augment(mesh.view(), hierarchy); }));
-}
-
-template <class Call>
-std::optional<Fault> faultOf(const Call& call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        return error.fault();
-    }
-    return std::nullopt;
 }
 
 TEST(ForeignHierarchy, NamesWhatIsWrong) {
