@@ -142,6 +142,9 @@ ForeignHierarchy hierarchyOf(const btGImpactMeshShape& shape) {
     // Above the parts a complete tree as in a heap: nodes 0 to parts - 2, children of i at 2 i + 1 and 2 i + 2, where
     // what would be node parts - 1 + k is the root of part k.
     const auto parts = static_cast<std::uint32_t>(sources.size());
+    if (parts == 0) {
+        throw Error(Fault::emptyMesh, "no parts", "shape");
+    }
     ForeignHierarchy out;
     out.nodes.resize(parts - 1);
     std::vector<std::uint32_t> roots;

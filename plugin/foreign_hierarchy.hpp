@@ -27,7 +27,7 @@ inline namespace GRAPESHOT_PRECISION {
 [[nodiscard]] ForeignHierarchy hierarchyOf(const btGImpactMeshShapePart& shape);
 
 /// From the box sets of its parts, joined in twos in their order. O(n)
-/// @throws Error as for a part
+/// @throws Error as for a part, emptyMesh (no parts)
 [[nodiscard]] ForeignHierarchy hierarchyOf(const btGImpactMeshShape& shape);
 
 /// The tree over the shape's scaled triangles and Bullet's own hierarchy. O(n), see `augment` for meshes; not called by

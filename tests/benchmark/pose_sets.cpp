@@ -1,7 +1,5 @@
 #include "pose_sets.hpp"
 
-#include <utility>
-
 namespace grapeshot::bench {
 
 test::PoseSet grazingSet(const Tree& tree, int count, std::uint64_t seed) {
@@ -16,11 +14,7 @@ test::PoseSet grazingSet(const Tree& tree, int count, std::uint64_t seed) {
         set.distanceIndex.insert(set.distanceIndex.end(), poses.size(), i);
     }
     test::Random random(seed);
-    for (std::size_t i = set.poses.size(); i > 1; --i) {
-        const std::size_t j = random.bits() % i;
-        std::swap(set.poses[i - 1], set.poses[j]);
-        std::swap(set.distanceIndex[i - 1], set.distanceIndex[j]);
-    }
+    shuffle(set, random);
     return set;
 }
 

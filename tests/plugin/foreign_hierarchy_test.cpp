@@ -289,6 +289,9 @@ TEST(ForeignHierarchy, NamesWhatIsWrong) {
     EXPECT_EQ(faultOf([&] { (void)hierarchyOf(notUpdated); }), Fault::emptyMesh);
     const btGImpactMeshShape meshNotUpdated(arrays.arrays.get());
     EXPECT_EQ(faultOf([&] { (void)augment(meshNotUpdated); }), Fault::emptyMesh);
+    btTriangleIndexVertexArray nothing;
+    const btGImpactMeshShape noParts(&nothing);
+    EXPECT_EQ(faultOf([&] { (void)hierarchyOf(noParts); }), Fault::emptyMesh);
 }
 
 TEST(ForeignHierarchy, NoticesThatTheMeshHasChangedSince) {

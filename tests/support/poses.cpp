@@ -84,6 +84,14 @@ Pose randomPose(const Tree& a, const Tree& b, Random& random) {
     return placed(b, rotation, place);
 }
 
+void shuffle(PoseSet& set, Random& random) {
+    for (std::size_t i = set.poses.size(); i > 1; --i) {
+        const std::size_t j = random.bits() % i;
+        std::swap(set.poses[i - 1], set.poses[j]);
+        std::swap(set.distanceIndex[i - 1], set.distanceIndex[j]);
+    }
+}
+
 PoseSet zachmannPoses(const Tree& a, const Tree& b, int distances, int perDistance, std::uint64_t seed) {
     PoseSet set;
     Random random(seed);
@@ -98,11 +106,7 @@ PoseSet zachmannPoses(const Tree& a, const Tree& b, int distances, int perDistan
             set.distanceIndex.push_back(i);
         }
     }
-    for (std::size_t i = set.poses.size(); i > 1; --i) {
-        const std::size_t j = random.bits() % i;
-        std::swap(set.poses[i - 1], set.poses[j]);
-        std::swap(set.distanceIndex[i - 1], set.distanceIndex[j]);
-    }
+    shuffle(set, random);
     return set;
 }
 

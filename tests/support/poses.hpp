@@ -26,14 +26,16 @@ class Random {
 /// Uniform rotation, B's centre of box within the inflated box of A.
 Pose randomPose(const Tree& a, const Tree& b, Random& random);
 
-/// Zachmann's procedure: for each of `distances` centre distances, from nearly always colliding to never, `perDistance`
-/// random directions and rotations. Distances run evenly between 0.2 and 1.05 of the mean bounding diameter.
-/// Returned shuffled; `distanceIndex[i]` says which distance pose i has.
 struct PoseSet {
     std::vector<Pose> poses;
-    std::vector<int> distanceIndex;
-    std::vector<double> distances;  ///< m
+    std::vector<int> distanceIndex;  ///< of each pose
+    std::vector<double> distances;   ///< m
 };
+/// Each order of the poses alike likely; indices go with them.
+void shuffle(PoseSet& set, Random& random);
+
+/// Zachmann's procedure: for each of `distances` centre distances, from nearly always colliding to never, `perDistance`
+/// random directions and rotations. Distances run evenly between 0.2 and 1.05 of the mean bounding diameter. Shuffled.
 PoseSet zachmannPoses(const Tree& a, const Tree& b, int distances, int perDistance, std::uint64_t seed);
 
 /// Grazing poses: random rotation, B slid along a random direction to first touch of A (bisection with the exact query
