@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "interleave.hpp"
-
 namespace grapeshot::bench {
 
 namespace {
@@ -28,9 +26,7 @@ void addAnswers(const PosedPair& where, const Peer& method, report::Row& row) {
         colliding[distance] += truth ? 1 : 0;
         misses[distance] += truth && !answer.collides ? 1 : 0;
         alarms[distance] += answer.collides && !truth ? 1 : 0;
-        if (answer.work > 0) {
-            work.push_back(static_cast<double>(answer.work));
-        }
+        work.push_back(static_cast<double>(answer.work));
     }
     row.falseNegatives = errors.falseNegatives;
     row.falsePositives = errors.falsePositives;
@@ -40,13 +36,27 @@ void addAnswers(const PosedPair& where, const Peer& method, report::Row& row) {
                   {"colliding", colliding},
                   {"falseNegatives", misses},
                   {"falsePositives", alarms}};
-    if (!work.empty()) {
-        const report::Quantiles units = report::quantiles(work);
-        row.work = {{"workMean", units.mean}, {"workP99", units.p99}, {"workMax", units.max}};
-    }
+    addWork(work, row);
 }
 
 }  // namespace
+
+void addRatios(const std::vector<Times>& times, std::size_t method, std::size_t peer, report::Row& row) {
+    row.timeUs.mean = report::median(times[method]);
+    const std::vector<double> toExact = ratios(times[method], times[0]);
+    const std::vector<double> toPeer = ratios(times[method], times[peer]);
+    row.ratio = report::median(toPeer);
+    row.measured.insert(row.measured.end(), {{"ratioToExact", report::median(toExact)},
+                                             {"ratioToExactSpread", report::spread(toExact)},
+                                             {"ratioSpread", report::spread(toPeer)}});
+}
+
+void addWork(const std::vector<double>& work, report::Row& row) {
+    const report::Quantiles units = report::quantiles(work);
+    if (units.max > 0) {
+        row.work = {{"workMean", units.mean}, {"workP50", units.p50}, {"workP99", units.p99}, {"workMax", units.max}};
+    }
+}
 
 std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>& methods, int repetitions,
                                  std::size_t peer) {
@@ -68,13 +78,7 @@ std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>
         row.colliding = static_cast<double>(where.truth.colliding);
         addAnswers(where, methods[i], row);
         row.timeUs = report::quantiles(leastUs(contenders[i], poses.size(), repetitions));
-        row.timeUs.mean = report::median(times[i]);
-        const std::vector<double> toExact = ratios(times[i], times[0]);
-        const std::vector<double> toPeer = ratios(times[i], times[peer]);
-        row.ratio = report::median(toPeer);
-        row.measured.insert(row.measured.end(), {{"ratioToExact", report::median(toExact)},
-                                                 {"ratioToExactSpread", report::spread(toExact)},
-                                                 {"ratioSpread", report::spread(toPeer)}});
+        addRatios(times, i, peer, row);
     }
     return rows;
 }

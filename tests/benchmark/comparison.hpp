@@ -7,6 +7,7 @@
 #include <report/report.hpp>
 #include <support/poses.hpp>
 
+#include "interleave.hpp"
 #include "peer.hpp"
 #include "truth.hpp"
 
@@ -24,6 +25,11 @@ struct PosedPair {
 /// @param peer whose time `ratio` is about
 [[nodiscard]] std::vector<report::Row> compare(const PosedPair& where, const std::vector<Peer>& methods,
                                                int repetitions, std::size_t peer = 1);
+
+/// Mean time of one of the methods; `ratio` to the peer; ratioToExact, to the first.
+void addRatios(const std::vector<Times>& times, std::size_t method, std::size_t peer, report::Row& row);
+/// workMean, workP50, workP99, workMax per query; nothing if the method does not count.
+void addWork(const std::vector<double>& work, report::Row& row);
 
 /// What a method does over all meshes of a scenario, from its rows.
 struct Overall {

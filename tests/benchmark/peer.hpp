@@ -14,6 +14,8 @@
 
 namespace grapeshot::bench {
 
+class FclModel;
+
 struct Answer {
     bool collides = false;
     bool certain = true;
@@ -59,6 +61,8 @@ template <class Decide>
 
 /// FCL as Debian ships it: double precision, oriented boxes with rectangle swept spheres, first contact only.
 [[nodiscard]] Peer fclPeer(MeshView a, MeshView b);
+/// The same with models that are there already; a later refit of them counts here too.
+[[nodiscard]] Peer fclPeer(const FclModel& a, const FclModel& b);
 /// Bullet's GImpact as Debian ships it, margin 0. It has no way to stop at the first contact. Meshes must outlive it.
 [[nodiscard]] Peer gimpactPeer(MeshView a, MeshView b);
 /// ODE's meshes (OPCODE) as Debian ships them, double precision, one contact. Meshes must outlive it.
