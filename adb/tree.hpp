@@ -94,7 +94,7 @@ struct Tree {
 [[nodiscard]] Tree build(MeshView mesh, const BuildSettings& settings = {});
 
 /// New vertex positions, same triangles: boxes, slabs and moments are made anew bottom-up; the shape of the tree stays.
-/// On error the tree is unchanged. O(n) for boxes and moments, O(n log n) for the slabs; about a fifth of a build.
+/// On error the tree is unchanged. O(n) for boxes and moments, O(n log n) for the slabs; about a quarter of a build.
 /// @throws Error topologyChanged (another number of vertices), notFinite, tooLarge
 void refit(Tree& tree, std::span<const Eigen::Vector3f> vertices);
 
