@@ -19,7 +19,7 @@ namespace {
 
 struct Sizes {
     int zachmann, grazing;  ///< poses per mesh
-    int unlikePairs, pathSteps, hotPoses, replays, nested;
+    int unlikePairs, nested;
     int repetitions;
 };
 
@@ -108,17 +108,11 @@ report::Report runAnytimeSuite(const Options& options) {
     const Sizes sizes = quick ? Sizes{.zachmann = options.poses.value_or(600),
                                       .grazing = 60,
                                       .unlikePairs = 300,
-                                      .pathSteps = 200,
-                                      .hotPoses = 24,
-                                      .replays = 10,
                                       .nested = 10,
                                       .repetitions = options.repetitions.value_or(1)}
                               : Sizes{.zachmann = options.poses.value_or(6'000),
                                       .grazing = 1'200,
                                       .unlikePairs = 10'000,
-                                      .pathSteps = 2'000,
-                                      .hotPoses = 60,
-                                      .replays = 50,
                                       .nested = 100,
                                       .repetitions = options.repetitions.value_or(3)};
     const StoppedPrior prior(fitMeshes(quick), quick ? 240 : 2'400, options.seed + 1);
@@ -127,22 +121,14 @@ report::Report runAnytimeSuite(const Options& options) {
     ResumeCheck check;
     Pooled zachmann{"zachmann", {}};
     Pooled grazing{"grazing", {}};
-    std::vector<std::pair<std::string, Tree>> trees;
-    for (const NamedMesh& mesh : reportedMeshes(options.meshes, quick)) {
-        trees.emplace_back(mesh.name, build(mesh.mesh.view()));
-    }
-    std::vector<TreeOf> meshes;
-    for (const auto& [name, tree] : trees) {
-        meshes.push_back({name, &tree});
-    }
+    const NamedTrees trees(reportedMeshes(options.meshes, quick));
+    const std::vector<TreeOf>& meshes = trees.all();
     for (const TreeOf& mesh : meshes) {
         std::cerr << mesh.name << " ...\n";
         addPoses(mesh, zachmannSet(*mesh.tree, sizes.zachmann, options.seed), prior, sizes.repetitions, zachmann, check,
                  results);
         addPoses(mesh, grazingSet(*mesh.tree, sizes.grazing, options.seed), prior, sizes.repetitions, grazing, check,
                  results);
-        add(results.rows, coherentPath(mesh, sizes.pathSteps, sizes.repetitions, options.seed));
-        add(results.rows, hotReplay(mesh, sizes.hotPoses, sizes.replays, sizes.repetitions, options.seed));
         constexpr std::size_t mostNested = 100'000;  // of larger ones a single exact answer takes long
         if (mesh.tree->triangles.size() <= mostNested) {
             add(results.rows, nestedShells(mesh, sizes.nested, options.seed, check));
@@ -150,7 +136,7 @@ report::Report runAnytimeSuite(const Options& options) {
     }
     if (meshes.size() > 1) {
         std::cerr << "unlike pairs ...\n";
-        add(results.rows, unlikePairs(meshes, sizes.unlikePairs, sizes.repetitions, options.seed, check));
+        add(results.rows, unlikePairsAtSteps(meshes, sizes.unlikePairs, options.seed, check));
     }
     addPooled(grazing, options.plotFolder, results);
     addPooled(zachmann, options.plotFolder, results);

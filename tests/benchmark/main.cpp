@@ -13,6 +13,8 @@
 #include "options.hpp"
 #include "paper_suite.hpp"
 #include "scene_suite.hpp"
+#include "trees_suite.hpp"
+#include "workloads_suite.hpp"
 
 namespace {
 
@@ -23,7 +25,8 @@ Suite suiteNamed(const std::string& suite) {
     using namespace grapeshot::bench;
     static const std::map<std::string, Suite> suites{{"anytime", runAnytimeSuite}, {"decide", runDecideSuite},
                                                      {"fit", runFitSuite},         {"guarantee", runGuaranteeSuite},
-                                                     {"paper", runPaperSuite},     {"scene", runSceneSuite}};
+                                                     {"paper", runPaperSuite},     {"scene", runSceneSuite},
+                                                     {"trees", runTreesSuite},     {"workloads", runWorkloadsSuite}};
     return suites.at(suite);
 }
 

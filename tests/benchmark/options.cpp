@@ -10,7 +10,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"anytime", "decide", "fit", "guarantee", "paper", "scene"};
+constexpr std::string_view suites[] = {"anytime", "decide", "fit", "guarantee", "paper", "scene", "trees", "workloads"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -108,12 +108,14 @@ std::string usage() {
   guarantee  certificates on fresh poses of unseen meshes, against the exact query; the audit on bodies in motion
   paper      the ADB-tree paper of 2003: error and time per distance, beside the published curves
   scene      Bullet scenes against GImpact
+  trees      memory, building and refit of the trees against FCL's
+  workloads  yes/no as decide does not ask it: unlike pairs, smooth paths, one pose again and again; the slowest of all
 
-  --mesh FILE...        these meshes instead of the generated ones (decide, anytime, guarantee, paper)
-  --scenario NAME...    only these scenarios (scene); limits: which limits of the probability are best on the meshes
-                        for fitting (decide)
+  --mesh FILE...        these meshes instead of the generated ones (decide, anytime, guarantee, paper, trees, workloads)
+  --scenario NAME...    only these scenarios (scene; workloads: work, unlike, coherent, hot); limits: which limits of
+                        the probability are best on the meshes for fitting (decide)
   --quick               a small sample: answers are checked, times are printed but not claimed
-  --poses N             poses per mesh (decide, anytime, guarantee), per distance (paper)
+  --poses N             poses per mesh (decide, anytime, guarantee, trees, workloads), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
   --plots FOLDER        write the charts there (anytime, paper)
   --repetitions N       of every timed measurement
