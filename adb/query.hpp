@@ -50,6 +50,7 @@ struct TrianglePair {
     std::uint32_t triangleA = noTriangle;
     std::uint32_t triangleB = noTriangle;
     friend bool operator==(const TrianglePair&, const TrianglePair&) = default;
+    friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
 };
 
 /// Do the surfaces intersect? (A mesh wholly inside another does not: see `contains` in point_query.hpp.)

@@ -107,15 +107,20 @@ HWY_INLINE void squared(const Float4 (&c0)[3], const Float4 (&c1)[3], const Floa
     }
 }
 
-/// D^2, and the sum that is L but for a factor and a constant.
-struct Closeness {
-    Float16 squaredDistance;
-    Float16 length;
+/// The two Gaussians of sixteen pairs, put together; lengths of covariances in the caller's unit.
+struct SurfacePair {
+    Float16 offsetA[3];      ///< of A's centroid from its box's middle, m
+    Float16 covarianceA[6];  ///< xx, xy, xz, yy, yz, zz; A's frame
+    Float16 covariance[6];   ///< S_A + S_B
+    Float16 determinant;     ///< of it
+    Float16 toward[3];       ///< its adjugate times d, from A's mean to B's in m
+    Float16 product;         ///< d times that
+    Float16 octaves;         ///< log2 of both areas, without unit
 };
 
 /// @param apart from A's box to B's, in A's frame, m
 template <class SideA, class SideB>
-HWY_INLINE Closeness closenessOf(const PairPose& pose, SideA sideA, SideB sideB, const Float16 (&apart)[3]) {
+HWY_INLINE SurfacePair surfacePairOf(const PairPose& pose, SideA sideA, SideB sideB, const Float16 (&apart)[3]) {
     const Surfaces a = surfacesOf(sideA, pose.perLength);
     const Surfaces b = surfacesOf(sideB, pose.perLength);
 
@@ -144,15 +149,18 @@ HWY_INLINE Closeness closenessOf(const PairPose& pose, SideA sideA, SideB sideB,
     Float4 covarianceB[6];
     squared(c0, c1, c2, covarianceB);
 
-    Float16 s[6];
+    SurfacePair out;
+    Float16(&s)[6] = out.covariance;
     Float16 d[3];
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i) {
-        s[i] = spread(covarianceA[i]) + repeated(covarianceB[i]);
+        out.covarianceA[i] = spread(covarianceA[i]);
+        s[i] = out.covarianceA[i] + repeated(covarianceB[i]);
     }
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        d[i] = apart[i] + repeated(offset[i]) - spread(a.offset[i]);
+        out.offsetA[i] = spread(a.offset[i]);
+        d[i] = apart[i] + repeated(offset[i]) - out.offsetA[i];
     }
     const Float16 axx = s[3] * s[5] - s[4] * s[4];
     const Float16 axy = s[2] * s[4] - s[1] * s[5];
@@ -160,13 +168,23 @@ HWY_INLINE Closeness closenessOf(const PairPose& pose, SideA sideA, SideB sideB,
     const Float16 ayy = s[0] * s[5] - s[2] * s[2];
     const Float16 ayz = s[1] * s[2] - s[0] * s[4];
     const Float16 azz = s[0] * s[3] - s[1] * s[1];
-    const Float16 determinant = max(s[0] * axx + s[1] * axy + s[2] * axz, wide(1e-36F));
-    const Float16 product = d[0] * (axx * d[0] + axy * d[1] + axz * d[2]) +
-                            d[1] * (axy * d[0] + ayy * d[1] + ayz * d[2]) +
-                            d[2] * (axz * d[0] + ayz * d[1] + azz * d[2]);
-    const Float16 areas = wide(1.0F / 256) * (spread(a.octaves) + repeated(b.octaves));
-    return {wide(pose.perLength * pose.perLength) * (product / determinant),
-            areas + wide(pose.areaOctaves) - wide(2.0F / 3) * roughLog2(determinant)};
+    out.determinant = max(s[0] * axx + s[1] * axy + s[2] * axz, wide(1e-36F));
+    out.toward[0] = axx * d[0] + axy * d[1] + axz * d[2];
+    out.toward[1] = axy * d[0] + ayy * d[1] + ayz * d[2];
+    out.toward[2] = axz * d[0] + ayz * d[1] + azz * d[2];
+    out.product = d[0] * out.toward[0] + d[1] * out.toward[1] + d[2] * out.toward[2];
+    out.octaves = wide(1.0F / 256) * (spread(a.octaves) + repeated(b.octaves)) + wide(pose.areaOctaves);
+    return out;
+}
+
+/// D^2 and L.
+struct Closeness {
+    Float16 squaredDistance;
+    Float16 length;
+};
+HWY_INLINE Closeness closenessOf(const PairPose& pose, const SurfacePair& pair) {
+    return {wide(pose.perLength * pose.perLength) * (pair.product / pair.determinant),
+            pair.octaves - wide(2.0F / 3) * roughLog2(pair.determinant)};
 }
 
 }  // namespace grapeshot::detail::HWY_NAMESPACE

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <grapeshot/adb/query.hpp>
+#include <grapeshot/core/detail/triangle_cut.hpp>
 #include <grapeshot/core/pose.hpp>
-#include <grapeshot/narrowphase/detail/triangle_cut.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 
 namespace grapeshot::detail {

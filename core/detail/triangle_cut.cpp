@@ -1,4 +1,4 @@
-#include <grapeshot/narrowphase/detail/triangle_cut.hpp>
+#include <grapeshot/core/detail/triangle_cut.hpp>
 
 #include <Eigen/Geometry>
 
