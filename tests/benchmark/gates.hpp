@@ -66,4 +66,12 @@ inline constexpr StepGate stepGates[] = {{1, 8}, {2, 4}, {4, 2}, {8, 1}};
 inline constexpr double largestCalibrationError = 0.01;
 inline constexpr double largestCalibrationErrorInDoubt = 0.05;  ///< of answers with a probability from 0.1 to 0.9
 
+/// Contact regions after so many steps, against the fastest decimated mesh that is as good.
+struct ContactGate {
+    std::uint64_t steps;
+    double speedUp;
+    double regionCalibrationError;
+};
+inline constexpr ContactGate contactGate{8, 3, 0.05};
+
 }  // namespace grapeshot::bench

@@ -7,6 +7,7 @@
 
 #include <report/report.hpp>
 #include "anytime_suite.hpp"
+#include "contacts_suite.hpp"
 #include "decide_suite.hpp"
 #include "fit_suite.hpp"
 #include "guarantee_suite.hpp"
@@ -23,10 +24,10 @@ using Suite = grapeshot::report::Report (*)(const grapeshot::bench::Options&);
 /// One of those that the options know.
 Suite suiteNamed(const std::string& suite) {
     using namespace grapeshot::bench;
-    static const std::map<std::string, Suite> suites{{"anytime", runAnytimeSuite}, {"decide", runDecideSuite},
-                                                     {"fit", runFitSuite},         {"guarantee", runGuaranteeSuite},
-                                                     {"paper", runPaperSuite},     {"scene", runSceneSuite},
-                                                     {"trees", runTreesSuite},     {"workloads", runWorkloadsSuite}};
+    static const std::map<std::string, Suite> suites{
+        {"anytime", runAnytimeSuite}, {"contacts", runContactsSuite},   {"decide", runDecideSuite},
+        {"fit", runFitSuite},         {"guarantee", runGuaranteeSuite}, {"paper", runPaperSuite},
+        {"scene", runSceneSuite},     {"trees", runTreesSuite},         {"workloads", runWorkloadsSuite}};
     return suites.at(suite);
 }
 

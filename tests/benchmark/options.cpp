@@ -10,7 +10,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"anytime", "decide", "fit", "guarantee", "paper", "scene", "trees", "workloads"};
+constexpr std::string_view suites[] = {"anytime", "contacts", "decide", "fit", "guarantee", "paper", "scene", "trees", "workloads"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -103,6 +103,7 @@ std::string usage() {
     return R"(grapeshot_bench SUITE [options]
 
   anytime    estimates stopped after so many steps: errors, calibration, against what else may be stopped
+  contacts   contact regions stopped after so many steps, against decimated meshes at equal quality
   decide     exact and estimated yes/no against FCL, other peers and rivals; Zachmann's procedure and grazing poses
   fit        the formula and table of the ADB-trees' probabilities, on meshes that no other suite reports
   guarantee  certificates on fresh poses of unseen meshes, against the exact query; the audit on bodies in motion
@@ -111,13 +112,13 @@ std::string usage() {
   trees      memory, building and refit of the trees against FCL's
   workloads  yes/no as decide does not ask it: unlike pairs, smooth paths, one pose again and again; the slowest of all
 
-  --mesh FILE...        these meshes instead of the generated ones (decide, anytime, guarantee, paper, trees, workloads)
+  --mesh FILE...        these meshes instead of the generated ones (all but fit and scene)
   --scenario NAME...    only these scenarios (scene; workloads: work, unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting (decide)
   --quick               a small sample: answers are checked, times are printed but not claimed
-  --poses N             poses per mesh (decide, anytime, guarantee, trees, workloads), per distance (paper)
+  --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
-  --plots FOLDER        write the charts there (anytime, paper)
+  --plots FOLDER        write the charts there (anytime, contacts, paper)
   --repetitions N       of every timed measurement
   --seed S              of poses and scenes
   --isa SET             scalar, avx2 or avx512 at most
