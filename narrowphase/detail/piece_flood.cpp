@@ -114,9 +114,11 @@ void FloodPieces::reset(std::size_t most) {
 
 void FloodPieces::finish() {
     const std::size_t blocks = (m_count + 15) / 16;
-    m_candidates.assign(blocks, 0xffffU);
+    // Where there is no block there are no candidates: a reach beyond all measure finds those places too.
+    m_candidates.assign((blocks + 15) / 16 * 16, 0);
+    std::fill_n(m_candidates.begin(), blocks, 0xffffU);
     if (m_count % 16 != 0) {
-        m_candidates.back() = (1U << (m_count % 16)) - 1;
+        m_candidates[blocks - 1] = (1U << (m_count % 16)) - 1;
     }
     if (blocks <= fewBlocks) {
         return;
@@ -150,7 +152,7 @@ void FloodPieces::flood(std::uint32_t seed, float spacing, const Eigen::Vector3f
     found.resize(m_count);
     const View view{
         m_columns.data()->lane, m_stride,           m_blocks.empty() ? nullptr : m_blocks.data()->lane, m_blockStride,
-        m_candidates.size(),    m_candidates.data()};
+        (m_count + 15) / 16,    m_candidates.data()};
     found.resize(kernel.chosen()(view, seed, spacing, axis != nullptr ? axis->data() : nullptr, cone, found.data()));
 }
 
