@@ -21,6 +21,13 @@ struct Pieces {
     void take(std::span<const CurvePiece> all, float spacing);
 };
 
+/// All numbers are numbers, and it pushes some way.
+bool counts(const CurvePiece& piece) {
+    const float squaredNorm = piece.direction.squaredNorm();
+    return squaredNorm > 1e-12F && std::isfinite(squaredNorm) && piece.position.allFinite() &&
+           std::isfinite(piece.length + piece.extent + piece.slope) && (piece.proven() || std::isfinite(piece.rate));
+}
+
 void Pieces::take(std::span<const CurvePiece> all, float spacing) {
     source.clear();
     weight.clear();
@@ -28,13 +35,12 @@ void Pieces::take(std::span<const CurvePiece> all, float spacing) {
     const float touching = std::max(1e-6F * spacing, 1e-30F);  // the weight of triangles that only touch
     for (std::uint32_t i = 0; i < all.size(); ++i) {
         const CurvePiece& piece = all[i];
-        const float squaredNorm = piece.direction.squaredNorm();
-        if (!(squaredNorm > 1e-12F) || !piece.position.allFinite() || !std::isfinite(piece.length + piece.extent)) {
+        if (!counts(piece)) {
             continue;
         }
         source.push_back(i);
         weight.push_back(std::max(piece.length, touching));
-        places.add(piece.position, piece.direction / std::sqrt(squaredNorm), piece.extent);
+        places.add(piece.position, piece.direction / piece.direction.norm(), piece.extent);
     }
     places.finish();
 }
