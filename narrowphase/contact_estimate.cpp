@@ -62,7 +62,9 @@ void ContactEstimator::fill(ContactEstimate& out) {
         containmentContacts(*m_a, *m_b, m_pose, contained);
         std::ranges::transform(contained, std::back_inserter(out.regions), containedAt);
     }
-    if (std::ranges::any_of(out.regions, &CrossingRegion::proven)) {
+    // Triangles in one plane, that look the same way, prove it without a region: they push no way.
+    const bool intersect = !m_crossing.pieces.empty() && m_crossing.pieces.front().proven();
+    if (intersect || std::ranges::any_of(out.regions, &CrossingRegion::proven)) {
         out.probability = 1;
     } else if (!out.certain) {
         // Before the first step nothing is known.

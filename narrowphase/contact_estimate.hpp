@@ -21,7 +21,8 @@ struct ContactEstimate {
     /// By decreasing expected length; see takeRegions for which to believe. A solid inside another is a proven region
     /// of length 0, at a vertex of it and where that comes out soonest.
     std::vector<CrossingRegion> regions;
-    /// P(the meshes collide), by the calibration; 1 only if proven. 0 only if certain.
+    /// P(the meshes collide), by the calibration; 1 only if proven. 0 only if certain. (Triangles in one plane that
+    /// look the same way prove it without a region: they push no way.)
     float probability = 0;
     bool certain = false;  ///< all regions are proven and none is missing
     StopReason stop = StopReason::invalidInput;
