@@ -39,7 +39,7 @@ struct CurvePiece {
 
 struct CrossingSettings {
     /// The shortest pieces are not told of, as long as they make up no more than this part of the expected length,
-    /// 0..1. Proven ones always are.
+    /// 0..1: 0 tells all, 1 none. Proven ones always are.
     float leaveOut = 0.05F;
     /// Null: the default one. Must stay where it is as long as the query is used.
     const Calibration* calibration = nullptr;
@@ -49,7 +49,9 @@ struct CrossingSettings {
 struct Crossing {
     /// Proven ones first; when it is certain, in ascending order of their triangles. The same on every instruction set.
     std::vector<CurvePiece> pieces;
-    float rate = 0;        ///< sum over all pieces that are not proven, also those that are not told of
+    /// Sum over all pieces that are not proven, also those that are not told of. (But when there are more than 768, one
+    /// at a time is refined to its end at once; what is left of that one is neither here nor among the pieces.)
+    float rate = 0;
     bool certain = false;  ///< all pieces are proven and none is missing
     StopReason stop = StopReason::invalidInput;
     std::uint64_t work = 0;  ///< work units since `find`, resumed parts included

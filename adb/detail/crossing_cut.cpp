@@ -148,7 +148,11 @@ CrossingSummary summarise(const CrossingCut& cut, float proven, float leaveOut, 
         counts = counts + select(there(i), wide(1), wide(0));
         rates = rates + select(there(i), load(cut.block[i].rate), wide(0));
     }
-    const float allowance = leaveOut * (proven + sum(sums));
+    const float open = sum(sums);
+    const float allowance = leaveOut * (proven + open);
+    if (leaveOut > 0 && open <= allowance) {
+        return {0, sum(rates)};
+    }
     const float all = sum(counts);
     // So many entries, each shorter than its share of the allowance, are within it. Longer limits are tried before.
     float limit = 16 * allowance / (all > 1 ? all : 1);
