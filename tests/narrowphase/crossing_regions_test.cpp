@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
-#include <optional>
 
 #include <grapeshot/core/instruction_set.hpp>
 #include "support/poses.hpp"
@@ -273,76 +271,6 @@ TEST(CrossingRegions, SameOnEveryInstructionSet) {
     limitInstructionSet(before);
 }
 
-/// The circle in which two surfaces of revolution about z cross: A below, whose normal is up, and B above. Slopes: of
-/// the surfaces at the circle, against the horizontal.
-std::vector<CurvePiece> circle(double radius, double slopeA, double slopeB, const Vector3d& place, int count = 48) {
-    std::vector<CurvePiece> pieces;
-    for (int i = 0; i < count; ++i) {
-        const double angle = 2 * std::numbers::pi * i / count;
-        const Vector3d outward(std::cos(angle), std::sin(angle), 0);
-        const Vector3d normalA = (slopeA * outward + Vector3d::UnitZ()).normalized();
-        const Vector3d normalB = (slopeB * outward - Vector3d::UnitZ()).normalized();
-        CurvePiece& piece = pieces.emplace_back();
-        piece.position = (place + radius * std::cos(std::numbers::pi / count) * outward).cast<float>();
-        piece.direction = (normalB - normalA).cast<float>();
-        piece.length = static_cast<float>(2 * radius * std::sin(std::numbers::pi / count));
-        piece.extent = piece.length / std::sqrt(12.0F);
-        piece.slope = static_cast<float>(std::sqrt((1 + normalA.dot(normalB)) / (1 - normalA.dot(normalB))));
-        piece.pair = {static_cast<std::uint32_t>(i), 0};
-    }
-    return pieces;
-}
-
-TEST(CrossingRegions, DepthOfParaboloidsIsExact) {
-    for (const double curvature : {0.05, 0.5, 2.0}) {
-        for (const double depth : {0.002, 0.02, 0.1}) {
-            // z = depth / 2 - curvature r^2, and its mirror image.
-            const double radius = std::sqrt(depth / 2 / curvature);
-            const auto pieces = circle(radius, 2 * curvature * radius, 2 * curvature * radius, {0.3, -0.2, 0.1});
-            const auto regions = grouped(pieces, {.spacing = 0.2F, .normalCone = 0.5F});
-            ASSERT_EQ(regions.size(), 1U);
-            EXPECT_NEAR(regions[0].depth, depth, 2e-3 * depth);
-            EXPECT_LE((regions[0].position - Vector3f(0.3F, -0.2F, 0.1F)).norm(), 1e-5F);
-            EXPECT_LE((regions[0].normal + Vector3f::UnitZ()).norm(), 1e-5F) << "A, below, is pushed down";
-            EXPECT_NEAR(regions[0].length, 2 * std::numbers::pi * radius, 0.01 * radius);
-            EXPECT_NEAR(regions[0].extent, radius, 2e-3 * radius);
-            // With a plane, or one that is more curved: as near as half an angle's tangent is half its tangent.
-            const double both = std::sqrt(depth / curvature);
-            const auto onPlane =
-                grouped(circle(both, 2 * curvature * both, 0, Vector3d::Zero()), {.spacing = 0.2F, .normalCone = 0.5F});
-            ASSERT_EQ(onPlane.size(), 1U);
-            const double slope = 2 * curvature * both;
-            EXPECT_NEAR(onPlane[0].depth, depth, depth * (0.003 + slope * slope / 4));
-            EXPECT_LE(onPlane[0].depth, 1.003 * depth);
-        }
-    }
-}
-
-TEST(CrossingRegions, DepthOfBallsIsNear) {
-    for (const double depth : {0.01, 0.05, 0.2, 0.4}) {  // of radius 1
-        const double height = 1 - depth / 2;
-        const double radius = std::sqrt(1 - height * height);
-        const auto regions = grouped(circle(radius, radius / height, radius / height, Vector3d::Zero()),
-                                     {.spacing = 0.3F, .normalCone = 0.5F});
-        ASSERT_EQ(regions.size(), 1U);
-        EXPECT_GE(regions[0].depth, 0.995 * depth);
-        EXPECT_LE(regions[0].depth, depth * (1.005 + depth / 3));
-    }
-}
-
-TEST(CrossingRegions, KeepPrecisionFarFromTheOrigin) {
-    const double depth = 0.02;
-    const double radius = std::sqrt(depth);
-    const auto near = grouped(circle(radius, radius, radius, Vector3d::Zero()), {.spacing = 0.2F, .normalCone = 0.5F});
-    const auto far =
-        grouped(circle(radius, radius, radius, {4096, -8192, 2048}), {.spacing = 0.2F, .normalCone = 0.5F});
-    ASSERT_EQ(near.size(), 1U);
-    ASSERT_EQ(far.size(), 1U);
-    EXPECT_NEAR(far[0].depth, near[0].depth, 2e-3 * depth);
-    EXPECT_NEAR(far[0].extent, near[0].extent, 2e-3 * radius);
-    EXPECT_LE((far[0].position - Vector3f(4096, -8192, 2048)).norm(), 1e-3F);
-}
-
 TEST(CrossingRegions, TouchingPiecesAreRegionsWithoutLength) {
     std::vector<CurvePiece> pieces(3);
     for (std::size_t i = 0; i < 3; ++i) {
@@ -399,105 +327,6 @@ TEST(CrossingRegions, NumbersThatAreNoneAreIgnored) {
         }
     }
     EXPECT_TRUE(grouped({}).empty());
-}
-
-CrossingRegion regionOf(float probability, bool proven) {
-    CrossingRegion region;
-    region.probability = probability;
-    region.proven = proven;
-    region.positionError = 0.1F;
-    region.position = {1, 2, 3};
-    return region;
-}
-
-TEST(TakeRegions, MostLikelyKeepsThoseOfAtLeastOneHalf) {
-    std::vector<CrossingRegion> regions{regionOf(0.9F, false), regionOf(0.499F, false), regionOf(1, true),
-                                        regionOf(0.5F, false), regionOf(1e-6F, false)};
-    takeRegions(Answer::mostLikely, {1, 2, 3}, regions);
-    ASSERT_EQ(regions.size(), 3U);
-    EXPECT_EQ(regions[0].probability, 0.9F);
-    EXPECT_TRUE(regions[1].proven);
-    EXPECT_EQ(regions[2].probability, 0.5F);
-    for (const CrossingRegion& region : regions) {
-        EXPECT_EQ(region.position, Vector3f(1, 2, 3));
-    }
-    regions.clear();
-    takeRegions(Answer::mostLikely, {}, regions);
-    EXPECT_TRUE(regions.empty());
-}
-
-TEST(TakeRegions, SampleKeepsEachInTheShareOfItsProbability) {
-    const std::vector<float> probabilities{0.05F, 0.3F, 0.5F, 0.3F, 0.97F};
-    std::vector<int> kept(probabilities.size(), 0);
-    int bothThirds = 0;
-    constexpr int draws = 20'000;
-    Vector3d sum = Vector3d::Zero();
-    Vector3d squares = Vector3d::Zero();
-    for (std::uint64_t step = 0; step < draws; ++step) {
-        std::vector<CrossingRegion> regions;
-        for (const float probability : probabilities) {
-            regions.push_back(regionOf(probability, false));
-            regions.back().length = static_cast<float>(regions.size());  // its name
-        }
-        regions.push_back(regionOf(1, true));
-        const RandomKey key{5, pairKey(3, 8), step};
-        takeRegions(Answer::sample, key, regions);
-        ASSERT_FALSE(regions.empty());
-        ASSERT_TRUE(regions.back().proven);
-        ASSERT_EQ(regions.back().position, Vector3f(1, 2, 3));
-        bool second = false;
-        for (std::size_t r = 0; r + 1 < regions.size(); ++r) {
-            const auto name = static_cast<std::size_t>(regions[r].length) - 1;
-            ++kept[name];
-            const Vector3d off = (regions[r].position - Vector3f(1, 2, 3)).cast<double>();
-            if (name == 4) {
-                sum += off;
-                squares += off.cwiseAbs2();
-            }
-            second |= name == 1;
-            bothThirds += name == 3 && second ? 1 : 0;
-        }
-    }
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-        const double p = probabilities[i];
-        EXPECT_NEAR(kept[i], p * draws, 4 * std::sqrt(p * (1 - p) * draws));
-    }
-    EXPECT_NEAR(bothThirds, 0.09 * draws, 4 * std::sqrt(0.09 * 0.91 * draws)) << "drawn apart from each other";
-    // The place, too, is drawn from what is left open: 0.1 over all three axes.
-    const double deviation = 0.1 / std::sqrt(3.0);
-    for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(sum[axis] / kept[4], 0, 4 * deviation / std::sqrt(kept[4]));
-        EXPECT_NEAR(std::sqrt(squares[axis] / kept[4]), deviation, 0.03 * deviation);
-    }
-}
-
-TEST(TakeRegions, ADrawBelongsToItsKeyAndItsRegion) {
-    int different = 0;
-    for (std::uint64_t step = 0; step < 300; ++step) {
-        const RandomKey key{7, 11, step};
-        const auto lastOf = [&](float first, float second) {
-            std::vector<CrossingRegion> regions{regionOf(first, false), regionOf(second, false), regionOf(0.5F, false)};
-            regions.back().length = 3;
-            takeRegions(Answer::sample, key, regions);
-            return regions.empty() || regions.back().length != 3 ? std::optional<Vector3f>() : regions.back().position;
-        };
-        const auto first = lastOf(1e-6F, 1e-6F);
-        EXPECT_EQ(lastOf(1e-6F, 1e-6F), first);
-        EXPECT_EQ(lastOf(0.999999F, 0.3F), first) << "whatever becomes of the others";
-        std::vector<CrossingRegion> other{regionOf(0.5F, false), regionOf(0.5F, false)};
-        other[0].length = 1;
-        other[1].length = 2;
-        takeRegions(Answer::sample, key, other);
-        different += other.size() == 1 ? 1 : 0;
-        // Once kept, kept for any larger probability, at the same place.
-        if (first) {
-            std::vector<CrossingRegion> again{regionOf(0.2F, false), regionOf(0.2F, false), regionOf(0.8F, false)};
-            takeRegions(Answer::sample, key, again);
-            ASSERT_FALSE(again.empty());
-            EXPECT_EQ(again.back().position, *first);
-        }
-    }
-    EXPECT_NEAR(different, 150, 4 * std::sqrt(75));
 }
 
 }  // namespace
