@@ -57,6 +57,12 @@ std::size_t heaviest(const Pieces& pieces, const std::vector<std::uint32_t>& amo
     return best;
 }
 
+/// Of so many steps, those that a region had: as its part of the pieces. (Row by row the calibration asks for more rate
+/// the longer nothing was found, and all steps would be asked of each region.)
+std::uint64_t stepsOf(std::uint64_t steps, std::uint64_t members, std::uint64_t all) {
+    return std::max<std::uint64_t>(steps / all * members + steps % all * members / all, 1);
+}
+
 CrossingRegion summary(std::span<const CurvePiece> all, const Pieces& pieces, const std::vector<std::uint32_t>& members,
                        std::uint64_t steps, const Calibration& calibration) {
     CrossingRegion region;
@@ -103,11 +109,11 @@ CrossingRegion summary(std::span<const CurvePiece> all, const Pieces& pieces, co
     region.extent = std::sqrt(squares);
     region.depth = depth;
     region.positionError = std::sqrt(open);
-    region.probability =
-        region.proven
-            ? 1
-            : std::clamp(probabilityAfter(calibration, std::max(rate, 1e-30F), std::max(steps, std::uint64_t{1})),
-                         1e-6F, 1 - 1e-6F);
+    region.probability = region.proven
+                             ? 1
+                             : std::clamp(probabilityAfter(calibration, std::max(rate, 1e-30F),
+                                                           stepsOf(steps, members.size(), pieces.source.size())),
+                                          1e-6F, 1 - 1e-6F);
     return region;
 }
 

@@ -24,7 +24,8 @@ struct CrossingRegion {
     /// % too much for balls that are in each other by a fifth of their radius.
     float depth = 0;
     float length = 0;  ///< of the curve, expected: the region's weight
-    /// P(the surfaces cross here), by the calibration of decisions; 1 only if proven.
+    /// P(the surfaces cross here), by the calibration of decisions for its rate and its part of the steps; 1 only if
+    /// proven.
     float probability = 0;
     float positionError = 0;  ///< standard deviation of the position, by what its pieces leave open
     bool proven = false;      ///< a pair of triangles that intersects was found
