@@ -68,7 +68,6 @@ CrossingRegion summary(std::span<const CurvePiece> all, const Pieces& pieces, co
     CrossingRegion region;
     const Vector3f origin = pieces.places.position(members.front());  // keeps precision far from the frame's origin
     float weight = 0;
-    float rate = 0;
     float longest = -1;
     Vector3f position = Vector3f::Zero();
     Vector3f direction = Vector3f::Zero();
@@ -80,7 +79,7 @@ CrossingRegion summary(std::span<const CurvePiece> all, const Pieces& pieces, co
         direction += w * piece.direction;
         region.length += piece.length;
         if (!piece.proven()) {
-            rate += piece.rate;
+            region.rate += piece.rate;
         } else if (piece.length > longest) {
             longest = piece.length;
             region.proven = true;
@@ -109,11 +108,11 @@ CrossingRegion summary(std::span<const CurvePiece> all, const Pieces& pieces, co
     region.extent = std::sqrt(squares);
     region.depth = depth;
     region.positionError = std::sqrt(open);
-    region.probability = region.proven
-                             ? 1
-                             : std::clamp(probabilityAfter(calibration, std::max(rate, 1e-30F),
-                                                           stepsOf(steps, members.size(), pieces.source.size())),
-                                          1e-6F, 1 - 1e-6F);
+    region.steps = stepsOf(steps, members.size(), pieces.source.size());
+    region.probability =
+        region.proven
+            ? 1
+            : std::clamp(probabilityAfter(calibration, std::max(region.rate, 1e-30F), region.steps), 1e-6F, 1 - 1e-6F);
     return region;
 }
 

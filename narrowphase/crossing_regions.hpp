@@ -23,9 +23,10 @@ struct CrossingRegion {
     /// Of the penetration along the normal, estimated from the curve, m: exact for two paraboloids of one curvature, 5
     /// % too much for balls that are in each other by a fifth of their radius.
     float depth = 0;
-    float length = 0;  ///< of the curve, expected: the region's weight
-    /// P(the surfaces cross here), by the calibration of decisions for its rate and its part of the steps; 1 only if
-    /// proven.
+    float length = 0;         ///< of the curve, expected: the region's weight
+    float rate = 0;           ///< sum over its pieces that are not proven
+    std::uint64_t steps = 0;  ///< its part of all steps
+    /// P(the surfaces cross here), by the calibration of decisions for its rate and steps; 1 only if proven.
     float probability = 0;
     float positionError = 0;  ///< standard deviation of the position, by what its pieces leave open
     bool proven = false;      ///< a pair of triangles that intersects was found

@@ -177,10 +177,14 @@ void measure(const Tree& tree, MeshReport& report) {
 }  // namespace
 
 MeshModel makeModel(MeshView mesh, const BuildSettings& settings) {
+    return makeModel(build(mesh, settings));
+}
+
+MeshModel makeModel(Tree tree) {
     MeshModel model;
-    model.tree = build(mesh, settings);
-    model.topology = buildTopology(mesh);
-    model.report = inspect(mesh);
+    model.tree = std::move(tree);
+    model.topology = buildTopology(model.tree.mesh());
+    model.report = inspect(model.tree.mesh());
     computeDerived(model);
     return model;
 }

@@ -1,14 +1,17 @@
 #include <grapeshot/narrowphase/model_cache.hpp>
 
 #include <algorithm>
+#include <cinttypes>
 #include <compare>
+#include <cstdio>
 #include <cstring>
 #include <future>
 #include <list>
 #include <map>
 #include <mutex>
 
-#include <xxhash.h>
+#include <grapeshot/adb/tree_file.hpp>
+#include <grapeshot/core/error.hpp>
 
 namespace grapeshot {
 namespace {
@@ -31,27 +34,26 @@ bool sameContent(MeshView left, MeshView right) {
     return sameBytes(left.vertices, right.vertices) && sameBytes(left.triangles, right.triangles);
 }
 
-}  // namespace
-
-ContentKey contentKey(MeshView mesh) noexcept {
-    const XXH128_hash_t vertices = XXH3_128bits(mesh.vertices.data(), mesh.vertices.size_bytes());
-    const XXH128_hash_t triangles = XXH3_128bits(mesh.triangles.data(), mesh.triangles.size_bytes());
-    // The sizes keep apart what differs only in where the vertices end.
-    const std::uint64_t parts[] = {mesh.vertices.size(),  vertices.low64,  vertices.high64,
-                                   mesh.triangles.size(), triangles.low64, triangles.high64};
-    const XXH128_hash_t hash = XXH3_128bits(parts, sizeof parts);
-    return {hash.low64, hash.high64};
+std::string fileName(const ContentKey& key, const BuildSettings& settings) {
+    char name[80];
+    std::snprintf(name, sizeof(name), "%016" PRIx64 "%016" PRIx64 "-%d-%d.tree", key.high, key.low,
+                  settings.maxLeafTriangles, settings.bins);
+    return name;
 }
 
+}  // namespace
+
 struct ModelCache::State {
-    explicit State(std::size_t idleModels) : idle(idleModels) {}
+    State(std::size_t idleModels, std::filesystem::path where) : idle(idleModels), folder(std::move(where)) {}
 
     const std::size_t idle;
+    const std::filesystem::path folder;  // empty: none
     mutable std::mutex mutex;
     std::map<CacheKey, std::weak_ptr<const MeshModel>> models;
     std::map<CacheKey, std::shared_future<Model>> building;
     std::list<Model> recent;  // latest first, at most `idle`
-    std::uint64_t hits = 0, builds = 0;
+    std::uint64_t hits = 0, builds = 0, loads = 0, badFiles = 0;
+    std::string warning;
 
     /// Under the lock. What leaves the list goes to `leaving`, to be freed after the lock.
     void touch(const Model& model, std::list<Model>& leaving) {
@@ -67,14 +69,47 @@ struct ModelCache::State {
     }
 
     Model countedBuild(MeshView mesh, const BuildSettings& settings) {
-        auto model = std::make_shared<const MeshModel>(makeModel(mesh, settings));
+        auto model = std::make_shared<const MeshModel>(makeModel(treeOf(mesh, settings)));
         const std::lock_guard lock(mutex);
         ++builds;
         return model;
     }
+
+    Tree treeOf(MeshView mesh, const BuildSettings& settings) {
+        if (folder.empty()) {
+            return build(mesh, settings);
+        }
+        const std::filesystem::path file = folder / fileName(contentKey(mesh), settings);
+        std::error_code ignored;
+        if (std::filesystem::exists(file, ignored)) {
+            try {
+                Tree tree = loadTree(file, mesh, settings);
+                const std::lock_guard lock(mutex);
+                ++loads;
+                return tree;
+            } catch (const Error& error) {
+                warn(error.what());
+            }
+        }
+        Tree tree = build(mesh, settings);
+        try {
+            std::filesystem::create_directories(folder, ignored);
+            saveTree(tree, settings, file);
+        } catch (const Error& error) {
+            warn(error.what());
+        }
+        return tree;
+    }
+
+    void warn(const std::string& what) {
+        const std::lock_guard lock(mutex);
+        ++badFiles;
+        warning = what;
+    }
 };
 
-ModelCache::ModelCache(std::size_t idle) : m_state(std::make_unique<State>(idle)) {}
+ModelCache::ModelCache(std::size_t idle, std::filesystem::path folder)
+    : m_state(std::make_unique<State>(idle, std::move(folder))) {}
 ModelCache::~ModelCache() = default;
 
 std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSettings& settings) {
@@ -131,11 +166,16 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
 
 ModelCache::Counts ModelCache::counts() const {
     const std::lock_guard lock(m_state->mutex);
-    Counts counts{m_state->hits, m_state->builds, 0};
+    Counts counts{m_state->hits, m_state->builds, m_state->loads, m_state->badFiles, 0};
     for (const auto& entry : m_state->models) {
         counts.held += entry.second.expired() ? 0U : 1U;
     }
     return counts;
+}
+
+std::string ModelCache::lastWarning() const {
+    const std::lock_guard lock(m_state->mutex);
+    return m_state->warning;
 }
 
 void ModelCache::clear() {

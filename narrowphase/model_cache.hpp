@@ -3,25 +3,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <string>
 
+#include <grapeshot/core/content_key.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 
 namespace grapeshot {
-
-/// 128-bit hash of vertices and triangles (xxHash3), byte for byte.
-struct ContentKey {
-    std::uint64_t low = 0;
-    std::uint64_t high = 0;
-    friend bool operator==(const ContentKey&, const ContentKey&) = default;
-};
-[[nodiscard]] ContentKey contentKey(MeshView mesh) noexcept;
 
 /// Owns built models; safe for use from several threads. A model lives as long as somebody holds it, or while it is
 /// among the `idle` most recently used ones.
 class ModelCache {
   public:
-    explicit ModelCache(std::size_t idle = 64);
+    /// @param folder where trees are kept on disk (see tree_file.hpp); made when first needed. Empty: nowhere.
+    explicit ModelCache(std::size_t idle = 64, std::filesystem::path folder = {});
     ~ModelCache();
     ModelCache(const ModelCache&) = delete;
     ModelCache& operator=(const ModelCache&) = delete;
@@ -32,9 +28,13 @@ class ModelCache {
 
     struct Counts {
         std::uint64_t hits = 0, builds = 0;
-        std::size_t held = 0;  ///< models alive by the cache's own knowledge
+        std::uint64_t loads = 0;     ///< of these builds, trees that came from the disk
+        std::uint64_t badFiles = 0;  ///< that were ignored, or could not be written; built anew
+        std::size_t held = 0;        ///< models alive by the cache's own knowledge
     };
     [[nodiscard]] Counts counts() const;
+    /// Of the last bad file, in words; empty if there was none.
+    [[nodiscard]] std::string lastWarning() const;
     /// Forget idle models.
     void clear();
 

@@ -37,9 +37,9 @@ Wrench wrenchOf(const Regions& regions, const Eigen::Vector3f& about) {
     return wrench;
 }
 
-bool RegionScore::matches(const CrossingRegion& one, const CrossingRegion& other) const {
-    return (one.position - other.position).norm() <= m_settings.spacing &&
-           one.normal.dot(other.normal) >= m_settings.normalCone;
+bool match(const CrossingRegion& one, const CrossingRegion& other, const RegionSettings& settings) {
+    return (one.position - other.position).norm() <= settings.spacing &&
+           one.normal.dot(other.normal) >= settings.normalCone;
 }
 
 void RegionScore::add(const Regions& truth, std::span<const float> depths, const Regions& found,
@@ -53,7 +53,7 @@ void RegionScore::add(const Regions& truth, std::span<const float> depths, const
         const CrossingRegion* nearest = nullptr;
         const auto distance = [&](const CrossingRegion& other) { return (other.position - region.position).norm(); };
         for (const CrossingRegion& other : reported) {
-            if (matches(region, other) && (nearest == nullptr || distance(other) < distance(*nearest))) {
+            if (match(region, other, m_settings) && (nearest == nullptr || distance(other) < distance(*nearest))) {
                 nearest = &other;
             }
         }
@@ -69,7 +69,7 @@ void RegionScore::add(const Regions& truth, std::span<const float> depths, const
         }
     }
     const auto isTrue = [&](const CrossingRegion& region) {
-        return std::ranges::any_of(truth, [&](const CrossingRegion& one) { return matches(one, region); });
+        return std::ranges::any_of(truth, [&](const CrossingRegion& one) { return match(one, region, m_settings); });
     };
     m_reported += static_cast<double>(reported.size());
     m_reportedTrue += static_cast<double>(std::ranges::count_if(reported, isTrue));

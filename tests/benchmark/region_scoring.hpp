@@ -24,8 +24,11 @@ struct Wrench {
 };
 [[nodiscard]] Wrench wrenchOf(const Regions& regions, const Eigen::Vector3f& about);
 
-/// Collects what comes of a method over many poses. Two regions match if they are no farther apart than the spacing and
-/// their normals are within the cone: as members of one region would have to be.
+/// Two regions match if they are no farther apart than the spacing and their normals are within the cone: as members of
+/// one region would have to be.
+[[nodiscard]] bool match(const CrossingRegion& one, const CrossingRegion& other, const RegionSettings& settings);
+
+/// Collects what comes of a method over many poses.
 class RegionScore {
   public:
     /// @param size of the meshes (diagonal of the box), m: positions are told in percent of it
@@ -48,8 +51,6 @@ class RegionScore {
     std::vector<Forecast> forecasts;  ///< of every region found: is it one?
 
   private:
-    [[nodiscard]] bool matches(const CrossingRegion& one, const CrossingRegion& other) const;
-
     RegionSettings m_settings;
     double m_size;
     double m_true = 0, m_trueFound = 0, m_length = 0, m_lengthFound = 0, m_reported = 0, m_reportedTrue = 0;

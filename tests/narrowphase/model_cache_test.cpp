@@ -1,7 +1,12 @@
 #include <grapeshot/narrowphase/model_cache.hpp>
 
 #include <atomic>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -17,35 +22,6 @@ using scenes::Mesh;
 
 Mesh cube(float half) {
     return scenes::box(Eigen::Vector3f::Constant(half));
-}
-
-TEST(ContentKey, TellsContentApartAndNothingElse) {
-    const Mesh mesh = scenes::torus(1, 0.3F, 12, 8);
-    const ContentKey key = contentKey(mesh.view());
-    const Mesh copy = mesh;
-    EXPECT_EQ(contentKey(copy.view()), key);
-    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-        Mesh changed = mesh;
-        float& x = changed.vertices[v].x();
-        x = std::nextafter(x, 10.0F);
-        EXPECT_NE(contentKey(changed.view()), key) << "vertex " << v;
-    }
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        Mesh changed = mesh;
-        std::swap(changed.triangles[t][0], changed.triangles[t][1]);
-        EXPECT_NE(contentKey(changed.view()), key) << "triangle " << t;
-    }
-}
-
-TEST(ContentKey, KnowsWhereTheVerticesEnd) {
-    // The same bytes in a row, split differently between vertices and triangles.
-    const Mesh empty;
-    Mesh vertexOnly;
-    vertexOnly.vertices.emplace_back(0, 0, 0);
-    Mesh triangleOnly;
-    triangleOnly.triangles.push_back({0, 0, 0});
-    EXPECT_NE(contentKey(vertexOnly.view()), contentKey(triangleOnly.view()));
-    EXPECT_NE(contentKey(vertexOnly.view()), contentKey(empty.view()));
 }
 
 TEST(ModelCache, SameContentIsOneModel) {
@@ -181,6 +157,60 @@ TEST(ModelCache, ThreadsShareOneBuild) {
     for (int t = 1; t < threads; ++t) {
         EXPECT_EQ(got[t], got[0]);
     }
+}
+
+class ModelsOnDisk : public testing::Test {
+  protected:
+    ModelsOnDisk() { std::filesystem::remove_all(folder); }
+    ~ModelsOnDisk() override { std::filesystem::remove_all(folder); }
+    std::filesystem::path onlyFile() const {
+        EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()), 1);
+        return std::filesystem::directory_iterator(folder)->path();
+    }
+
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() /
+        (std::string("grapeshot_models_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    const Mesh mesh = scenes::torus(1, 0.3F, 24, 16);
+};
+
+TEST_F(ModelsOnDisk, AreReadByTheNextProcess) {
+    ModelCache first(4, folder);
+    const auto built = first.get(mesh.view());
+    EXPECT_EQ(first.counts().loads, 0U);
+    ModelCache second(4, folder);
+    const auto loaded = second.get(mesh.view());
+    EXPECT_EQ(second.counts().loads, 1U);
+    EXPECT_EQ(second.counts().badFiles, 0U);
+    ASSERT_EQ(loaded->tree.nodes.size(), built->tree.nodes.size());
+    EXPECT_EQ(std::memcmp(loaded->tree.nodes.data(), built->tree.nodes.data(), built->tree.nodes.size() * sizeof(Node)),
+              0);
+    EXPECT_EQ(loaded->solid, built->solid);
+    EXPECT_EQ(loaded->traits, built->traits);
+}
+
+TEST_F(ModelsOnDisk, ABadFileIsIgnoredWithAWarningAndReplaced) {
+    static_cast<void>(ModelCache(4, folder).get(mesh.view()));
+    const std::filesystem::path file = onlyFile();
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    ModelCache cache(4, folder);
+    EXPECT_NE(cache.get(mesh.view()), nullptr);
+    EXPECT_EQ(cache.counts().badFiles, 1U);
+    EXPECT_EQ(cache.counts().loads, 0U);
+    EXPECT_NE(cache.lastWarning().find(file.string()), std::string::npos);
+    ModelCache next(4, folder);
+    static_cast<void>(next.get(mesh.view()));
+    EXPECT_EQ(next.counts().loads, 1U);
+    EXPECT_EQ(next.lastWarning(), "");
+}
+
+TEST_F(ModelsOnDisk, AFolderThatCannotBeUsedCostsOnlyAWarning) {
+    std::filesystem::create_directories(folder.parent_path());
+    { std::ofstream(folder) << "a file, not a folder"; }
+    ModelCache cache(4, folder);
+    EXPECT_NE(cache.get(mesh.view()), nullptr);
+    EXPECT_EQ(cache.counts().badFiles, 1U);
+    EXPECT_NE(cache.lastWarning(), "");
 }
 
 }  // namespace
