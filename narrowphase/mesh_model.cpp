@@ -177,10 +177,10 @@ void measure(const Tree& tree, MeshReport& report) {
 }  // namespace
 
 MeshModel makeModel(MeshView mesh, const BuildSettings& settings) {
-    return makeModel(build(mesh, settings));
+    return makeModelOf(build(mesh, settings));
 }
 
-MeshModel makeModel(Tree tree) {
+MeshModel makeModelOf(Tree tree) {
     MeshModel model;
     model.tree = std::move(tree);
     model.topology = buildTopology(model.tree.mesh());

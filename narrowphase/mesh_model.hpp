@@ -64,7 +64,7 @@ struct MeshModel {
 /// @throws Error as `build` does
 [[nodiscard]] MeshModel makeModel(MeshView mesh, const BuildSettings& settings = {});
 /// Around a tree that is there already.
-[[nodiscard]] MeshModel makeModel(Tree tree);
+[[nodiscard]] MeshModel makeModelOf(Tree tree);
 
 /// Moves the model to new vertex positions; topology stays. @throws Error as `refit` does; unchanged then.
 void refit(MeshModel& model, std::span<const Eigen::Vector3f> vertices);

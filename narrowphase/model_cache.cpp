@@ -69,7 +69,7 @@ struct ModelCache::State {
     }
 
     Model countedBuild(MeshView mesh, const BuildSettings& settings) {
-        auto model = std::make_shared<const MeshModel>(makeModel(treeOf(mesh, settings)));
+        auto model = std::make_shared<const MeshModel>(makeModelOf(treeOf(mesh, settings)));
         const std::lock_guard lock(mutex);
         ++builds;
         return model;
