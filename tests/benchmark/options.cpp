@@ -111,7 +111,7 @@ std::string usage() {
 
   --mesh FILE...        these meshes instead of the generated ones (decide, anytime, guarantee, paper)
   --scenario NAME...    only these scenarios (scene); limits: which limits of the probability are best on the meshes
-                        for fitting (decide)
+                        for fitting; nested: only shells inside each other (decide)
   --quick               a small sample: answers are checked, times are printed but not claimed
   --poses N             poses per mesh (decide, anytime, guarantee), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
