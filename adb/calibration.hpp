@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -23,36 +24,50 @@ struct RateFormula {
 
 /// A formula and a table, fitted together. A value; immutable once it is in use.
 struct Calibration {
-    static constexpr int version = 1;            ///< of the text form
-    static constexpr std::size_t stepRows = 8;   ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
+    static constexpr int version = 2;            ///< of the text form
+    static constexpr std::size_t stepRows = 13;  ///< steps 1, 2, 3, 4, 5-6, 7-8, 9-12, 13-16, ..., 49-64, more
     static constexpr std::size_t afterRows = 8;  ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
-    static constexpr std::size_t knots = 41;     ///< log2 of the rate: -10, -9.5, ..., 10
+    static constexpr std::size_t knots = 41;     ///< rates 2^-10, 1.5 2^-10, 2^-9, ..., 2^10
     /// The row of so many steps, 1 or more.
     [[nodiscard]] static constexpr std::size_t rowOf(std::uint64_t steps) noexcept {
-        std::size_t row = 0;
-        while (row + 1 < stepRows && steps > (std::uint64_t{1} << row)) {
-            ++row;
+        if (steps <= 4) {
+            return static_cast<std::size_t>(steps) - 1;
         }
-        return row;
+        const std::uint64_t last = steps - 1;
+        const auto octave = static_cast<std::size_t>(std::bit_width(last));  // 3 or more; two rows each
+        const auto row = 2 * octave - 2 + static_cast<std::size_t>(last >> (octave - 2) & 1U);
+        return row < stepRows ? row : stepRows - 1;
     }
     using Row = std::array<float, knots>;  ///< probabilities that the meshes collide, not falling
 
     std::string poses;  ///< what it holds for, in words; one line
     RateFormula formula;
+    /// Before the first step, by 1 / D^4 of the two whole surfaces in place of a rate. Of the meshes that it was fitted
+    /// on, the one that makes it least sure: a hole through a body counts here, and later steps see it.
+    Row whole{};
     std::array<Row, stepRows> bySteps{};  ///< while the estimate goes on
     std::array<Row, afterRows>
         afterwards{};  ///< when the exact part that follows has not ended yet; rate: the last one
+    /// That the surfaces cross where a contact region says, by the region's rate and its part of the steps.
+    std::array<Row, stepRows> regions{};
 };
 
 /// Fitted on generated meshes and Zachmann's procedure (see data/README.md); compiled in.
 [[nodiscard]] const Calibration& defaultCalibration();
 
-/// P(collide) when `steps` >= 1 steps have left a cut of this rate > 0. Linear between knots, constant beyond the last.
+/// P(collide) of two whole surfaces this D^2 apart. Linear between knots, constant beyond the last, like the others.
+[[nodiscard]] float probabilityOfWholes(const Calibration& calibration, float squaredDistance) noexcept;
+/// P(collide) when `steps` >= 1 steps have left a cut of this rate > 0.
 [[nodiscard]] float probabilityAfter(const Calibration& calibration, float rate, std::uint64_t steps) noexcept;
 /// P(collide) when the estimate ended with this rate, and `exactSteps` more have found nothing yet.
 [[nodiscard]] float probabilityAfterwards(const Calibration& calibration, float rate,
                                           std::uint64_t exactSteps) noexcept;
 
+/// P(the surfaces cross where a contact region says) for a region with this rate > 0 and `steps` >= 1 of the steps.
+[[nodiscard]] float probabilityOfRegion(const Calibration& calibration, float rate, std::uint64_t steps) noexcept;
+
+/// Of a knot, 0 to Calibration::knots - 1.
+[[nodiscard]] float knotRate(std::size_t knot) noexcept;
 /// The least rate whose probability in a row is at least this, and the largest of those whose probability is at most
 /// this. Infinity, and -1, if there is none.
 [[nodiscard]] float leastRateAt(const Calibration::Row& row, float probability) noexcept;

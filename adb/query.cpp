@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <iterator>
 #include <limits>
-#include <utility>
 
 #include <grapeshot/adb/detail/query_state.hpp>
+#include <grapeshot/adb/detail/whole_pair.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 
 namespace grapeshot {
@@ -16,20 +18,49 @@ using detail::SidePair;
 
 namespace {
 
-detail::RateLimits limitsFor(const Calibration& calibration, float acceptAt, float rejectAt) {
-    detail::RateLimits limits = detail::noLimits;
-    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
-        if (acceptAt < 1) {
-            limits.yes[row] = leastRateAt(calibration.bySteps[row], acceptAt);
-        }
-        if (rejectAt > 0) {
-            limits.no[row] = mostRateAt(calibration.bySteps[row], rejectAt);
-        }
-    }
-    return limits;
+/// D^2 at a rate of the row of whole surfaces. Infinity for a rate of 0.
+float squaredDistanceAt(float wholeRate) {
+    return 1 / std::sqrt(wholeRate);
+}
+
+/// Where the odds are so many times from both limits, the next steps seldom reach one of them.
+constexpr float doubtOdds = 64;
+
+/// The probability with so many times the odds.
+float withOdds(float probability, float factor) {
+    return factor * probability / (factor * probability + 1 - probability);
 }
 
 }  // namespace
+
+void Query::State::Limits::workOut() {
+    rates = detail::noLimits;
+    wholeYes = 0;
+    wholeNo = std::numeric_limits<float>::infinity();
+    if (acceptAt < 1) {
+        wholeYes = squaredDistanceAt(leastRateAt(calibration->whole, acceptAt));
+        for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+            rates.yes[row] = leastRateAt(calibration->bySteps[row], acceptAt);
+        }
+    }
+    if (rejectAt > 0) {
+        const float rate = mostRateAt(calibration->whole, rejectAt);
+        wholeNo = rate > 0 ? squaredDistanceAt(rate) : wholeNo;
+        for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+            rates.no[row] = mostRateAt(calibration->bySteps[row], rejectAt);
+        }
+    }
+    if (acceptAt < 1 && rejectAt > 0) {
+        const float from = withOdds(rejectAt, doubtOdds);
+        const float to = withOdds(acceptAt, 1 / doubtOdds);
+        for (std::size_t row = 0; from < to && row < Calibration::stepRows; ++row) {
+            rates.doubtFrom[row] = leastRateAt(calibration->bySteps[row], from);
+            rates.doubtTo[row] = mostRateAt(calibration->bySteps[row], to);
+        }
+    }
+    onlyNo = rates;
+    std::fill(std::begin(onlyNo.yes), std::end(onlyNo.yes), detail::unreachableYes);
+}
 
 std::unique_ptr<Query::State> Query::State::copyOf(const State& other) {
     std::unique_ptr<State> copy(new State(other));
@@ -115,8 +146,10 @@ bool Query::State::useSettings(const DecideSettings& wanted) {
             wanted.calibration != nullptr ? wanted.calibration : &defaultCalibration();
         if (limits.calibration != calibration || limits.acceptAt != wanted.acceptAt ||
             limits.rejectAt != wanted.rejectAt) {
-            limits = {calibration, wanted.acceptAt, wanted.rejectAt,
-                      limitsFor(*calibration, wanted.acceptAt, wanted.rejectAt)};
+            limits.calibration = calibration;
+            limits.acceptAt = wanted.acceptAt;
+            limits.rejectAt = wanted.rejectAt;
+            limits.workOut();
         }
     }
     settings = wanted;
@@ -179,25 +212,39 @@ DescentEnd Query::State::nextOverlap(std::uint64_t units) {
     }
 }
 
-/// From the cut to the stack, the likeliest on top.
+/// At the two whole surfaces, before the first step and as a part of it. True if that is enough.
+bool Query::State::lookAtWholes() {
+    looking = false;
+    const detail::WholePair whole = detail::wholePair(a->whole, b->whole, descent.prepared);
+    cut.octaves = whole.octaves;
+    if (settings.acceptAt == 1 && settings.rejectAt == 0) {
+        return false;
+    }
+    if (whole.squaredDistance < detail::leastEstimated) {
+        inside = true;
+        return false;
+    }
+    if (whole.squaredDistance <= limits.wholeYes || whole.squaredDistance >= limits.wholeNo) {
+        ++descent.work;
+        wholeDistance = whole.squaredDistance;
+        return true;
+    }
+    return false;
+}
+
 void Query::State::handOver() {
     estimating = false;
     exactFrom = descent.work;
-    std::array<std::pair<float, std::uint32_t>, detail::cutCapacity> sorted;
-    for (std::uint32_t i = 0; i < cut.count; ++i) {
-        sorted[i] = {cut.rates[i], i};
-    }
-    std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(cut.count));
-    for (std::size_t i = 0; i < cut.count; ++i) {
-        const std::uint32_t from = sorted[i].second;
-        detail::push(descent, detail::sidePair(cut.sidesA[from], cut.sidesB[from]));
-    }
+    detail::handOver(descent, cut);
 }
 
 /// P(they collide) of an answer that is not certain.
 float Query::State::collisionProbability() const {
-    if (settings.estimateSteps == 0 || cut.steps == 0) {
+    if (settings.estimateSteps == 0) {
         return 0.5F;
+    }
+    if (cut.steps == 0) {
+        return wholeDistance > 0 ? probabilityOfWholes(*limits.calibration, wholeDistance) : 0.5F;
     }
     return estimating ? probabilityAfter(*limits.calibration, cut.rate, cut.steps)
                       : probabilityAfterwards(*limits.calibration, cut.rate, descent.work - exactFrom);
@@ -212,12 +259,24 @@ Decision Query::State::goOn(const Budget& budget) {
             [&](std::uint64_t units) {
                 const std::uint64_t first = descent.work;
                 end = testPending(units);
+                if (end == DescentEnd::exhausted && looking && units > descent.work - first) {
+                    if (lookAtWholes()) {
+                        end = DescentEnd::budget;
+                        sure = true;
+                        return true;
+                    }
+                    if (inside && settings.estimateSteps != unlimited) {
+                        handOver();
+                    }
+                }
                 if (end == DescentEnd::exhausted && estimating) {
                     const auto mostSteps = static_cast<std::uint32_t>(
-                        std::min<std::uint64_t>(settings.estimateSteps, std::numeric_limits<std::uint32_t>::max()));
+                        std::min<std::uint64_t>(settings.estimateSteps, detail::endlessSteps));
                     switch (detail::toEstimate(descent, cut, limits.calibration->formula,
-                                               ignoreLimits ? detail::noLimits : limits.rates, mostSteps,
-                                               units - (descent.work - first))) {
+                                               ignoreLimits ? detail::noLimits
+                                               : inside     ? limits.onlyNo
+                                                            : limits.rates,
+                                               mostSteps, units - (descent.work - first))) {
                         case EstimateEnd::exhausted:
                             return true;
                         case EstimateEnd::found:
@@ -242,31 +301,26 @@ Decision Query::State::goOn(const Budget& budget) {
             });
         finished = end != DescentEnd::budget;
         ignoreLimits = ignoreLimits || sure;
-        decision.work = descent.work;
-        if (end == DescentEnd::found) {
-            decision.collides = true;
+        hit = end == DescentEnd::found;
+        if (hit) {
             // Unused lanes repeat lane 0, so the lowest lane is a used one.
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(descent.lanes));
-            decision.witness = {detail::blockA(descent, descent.found).triangle[lane >> 2U],
-                                detail::blockB(descent, descent.found).triangle[lane & 3U]};
+            hitTriangles = {detail::blockA(descent, descent.found).triangle[lane >> 2U],
+                            detail::blockB(descent, descent.found).triangle[lane & 3U]};
             witness = descent.found;
             hasWitness = true;
-        } else {
-            decision.collides = false;
         }
     }
-    decision.certain = finished;
+    // Made where it goes: a copy of what has just been written in parts would have to wait for them.
     if (finished) {
-        decision.probability = 1;
-        decision.stop = StopReason::certain;
-        return decision;
+        return {hit, 1, true, StopReason::certain, descent.work, hit ? hitTriangles : TrianglePair()};
     }
     // Not quite one: that is for what is proven.
     const float probability = std::clamp(collisionProbability(), 1e-6F, 1 - 1e-6F);
-    decision.collides = probability >= 0.5F;
-    decision.probability = decision.collides ? probability : 1 - probability;
-    decision.stop = sure ? StopReason::probability : StopReason::budget;
-    return decision;
+    const bool collides = probability >= 0.5F;
+    return {collides,     collides ? probability : 1 - probability,
+            false,        sure ? StopReason::probability : StopReason::budget,
+            descent.work, TrianglePair()};
 }
 
 bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode) noexcept {
@@ -292,23 +346,21 @@ Query::~Query() = default;
 
 Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget budget) {
     State& state = *m_state;
-    state.decision = Decision();
     if (!state.useSettings(settings) || !state.start(State::Task::decide, bInA, settings.order, 0)) {
         state.task = State::Task::none;
-        return state.decision;
+        return {};
     }
     state.estimating = settings.estimateSteps > 0;
+    state.hit = false;
+    state.looking = state.estimating;
+    state.inside = false;
+    state.wholeDistance = 0;
     state.ignoreLimits = false;
-    state.cut.count = 0;
-    state.cut.steps = 0;
-    state.cut.rate = 0;
+    detail::startCut(state.cut, 0);
     if (!state.estimating) {
         state.put(detail::sidePair(0, 0), 0);
     } else {
         state.order = Order::depthFirst;
-        state.cut.count = 1;
-        state.cut.sidesA[0] = 0;
-        state.cut.sidesB[0] = 0;
     }
     if (settings.tryWitness) {
         state.recallWitness();

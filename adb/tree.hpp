@@ -42,11 +42,11 @@ struct alignas(64) Node {
 static_assert(sizeof(Node) == 192);
 
 /// How the surface below each child is distributed, in 8 bits a number: one cache line. Beside the node because the
-/// exact traversal does without it. [entry][slot]; what is signed has 128 added. See ChildSurface for the numbers.
+/// exact traversal does without it. [entry][slot]. See ChildSurface for the numbers.
 struct alignas(64) NodeDistribution {
     float size[4];             ///< m, positive: unit of mean and root, times 127
-    std::uint8_t mean[3][4];   ///< centroid from the middle of the child's box
-    std::uint8_t root[6][4];   ///< 00, 10, 11, 20, 21, 22: the covariance is this (Cholesky, lower) times its transpose
+    std::int8_t mean[3][4];    ///< centroid from the middle of the child's box
+    std::int8_t root[6][4];    ///< 00, 10, 11, 20, 21, 22: the covariance is this (Cholesky, lower) times its transpose
     std::uint8_t flatness[4];  ///< in 1 / 255
     std::int16_t area[4];      ///< log2 of the area in m^2, in 1 / 256; below -100: no area
 };
@@ -61,6 +61,13 @@ struct ChildSurface {
     double flatness;             ///< |integral of the normal| / area: 1 is a plane, 0 a closed surface
 };
 [[nodiscard]] ChildSurface surfaceOf(const Node& node, const NodeDistribution& distribution, int slot) noexcept;
+
+/// How a whole mesh's surface is distributed, ready for four lanes at a time.
+struct alignas(16) WholeSurface {
+    float mean[4] = {};           ///< area-weighted centroid, m; the last is 0
+    float covariance[3][4] = {};  ///< columns, about the mean, in unit^2; thickened as in ChildSurface; the last are 0
+    float unit = 1;               ///< m, a power of two: about half the diagonal of the mesh's box
+};
 
 /// Up to four triangles as structure of arrays. Unused lanes repeat lane 0 and have triangle id noTriangle.
 inline constexpr std::uint32_t noTriangle = 0xffffffffU;
@@ -84,6 +91,7 @@ struct Tree {
     std::vector<Triangle> triangles;
     Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< box of the mesh
     Eigen::Vector3f upper = Eigen::Vector3f::Zero();
+    WholeSurface whole;
     float radius = 0;  ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
 
     [[nodiscard]] MeshView mesh() const { return {vertices, triangles}; }

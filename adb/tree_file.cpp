@@ -41,10 +41,11 @@ struct Header {
     ContentKey mesh;
     std::int32_t maxLeafTriangles = 0, bins = 0;
     std::array<float, 8> bounds{};  ///< lower, upper, radius, nothing
+    std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, nothing
     Hash arrays{};
     Hash own{};  ///< of all before it
 };
-static_assert(sizeof(Header) == 152 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == 232 && std::is_trivially_copyable_v<Header>);
 
 Hash hashOf(XXH128_hash_t hash) {
     return {hash.low64, hash.high64};
@@ -185,6 +186,12 @@ void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesy
         header.bounds[static_cast<std::size_t>(axis) + 3] = tree.upper[axis];
     }
     header.bounds[6] = tree.radius;
+    std::ranges::copy(tree.whole.mean, header.whole.begin());
+    for (std::size_t column = 0; column < 3; ++column) {
+        std::ranges::copy(tree.whole.covariance[column],
+                          header.whole.begin() + 4 * static_cast<std::ptrdiff_t>(column + 1));
+    }
+    header.whole[16] = tree.whole.unit;
     header.arrays = arraysHash(tree);
     header.own = ownHash(header);
     Draft draft(file);
@@ -252,6 +259,13 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
         tree.upper[axis] = header.bounds[static_cast<std::size_t>(axis) + 3];
     }
     tree.radius = header.bounds[6];
+    for (std::size_t i = 0; i < 4; ++i) {
+        tree.whole.mean[i] = header.whole[i];
+        for (std::size_t column = 0; column < 3; ++column) {
+            tree.whole.covariance[column][i] = header.whole[4 * (column + 1) + i];
+        }
+    }
+    tree.whole.unit = header.whole[16];
     requireSound(tree, file);
     return tree;
 }

@@ -109,10 +109,10 @@ CrossingRegion summary(std::span<const CurvePiece> all, const Pieces& pieces, co
     region.depth = depth;
     region.positionError = std::sqrt(open);
     region.steps = stepsOf(steps, members.size(), pieces.source.size());
-    region.probability =
-        region.proven
-            ? 1
-            : std::clamp(probabilityAfter(calibration, std::max(region.rate, 1e-30F), region.steps), 1e-6F, 1 - 1e-6F);
+    region.probability = region.proven
+                             ? 1
+                             : std::clamp(probabilityOfRegion(calibration, std::max(region.rate, 1e-30F), region.steps),
+                                          1e-6F, 1 - 1e-6F);
     return region;
 }
 

@@ -26,7 +26,7 @@ struct CrossingRegion {
     float length = 0;         ///< of the curve, expected: the region's weight
     float rate = 0;           ///< sum over its pieces that are not proven
     std::uint64_t steps = 0;  ///< its part of all steps
-    /// P(the surfaces cross here), by the calibration of decisions for its rate and steps; 1 only if proven.
+    /// P(the surfaces cross here), by the calibration for its rate and steps; 1 only if proven.
     float probability = 0;
     float positionError = 0;  ///< standard deviation of the position, by what its pieces leave open
     bool proven = false;      ///< a pair of triangles that intersects was found

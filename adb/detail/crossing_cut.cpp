@@ -84,11 +84,10 @@ HWY_INLINE void append(CrossingCut& cut, const FourSides& a, const FourSides& b,
     store(crossings.flatness, block.flatness);
     store(crossings.cosine, block.cosine);
     store(rates, block.rate);
-    store(spreadA(reinterpret_cast<const float*>(a.side)), reinterpret_cast<float*>(block.sidesA));
-    store(repeatB(reinterpret_cast<const float*>(b.side)), reinterpret_cast<float*>(block.sidesB));
+    storeSides(a, b, block.sidesA, block.sidesB);
 }
 
-HWY_INLINE void expand(const Descent& descent, const WidePose& pose, SidePair pair, const RateFormula& formula,
+HWY_INLINE void expand(const Descent& descent, const WidePose& pose, SidePair pair, const RateTerms& terms,
                        CrossingCut& cut) {
     const Side a = sideA(pair);
     const Side b = sideB(pair);
@@ -102,14 +101,13 @@ HWY_INLINE void expand(const Descent& descent, const WidePose& pose, SidePair pa
                    crossings = crossingsOf(*pose.pose, childrenA, childrenB, apart);
                }) &
            mask;
-    const Float16 rates =
-        roughExp2(wide(formula.constant) + wide(formula.distance) * crossings.closeness.squaredDistance +
-                  wide(formula.length) * crossings.closeness.length);
+    const Float16 rates = ratesOf(terms, crossings.closeness);
     append(cut, sidesOf(descent.nodesA, a), sidesOf(descent.nodesB, b), crossings, rates, mask);
 }
 
 CrossingEnd refineCrossing(Descent& descent, CrossingCut& cut, const RateFormula& formula, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
+    const RateTerms terms = rateTerms(formula, descent.prepared, cut.octaves);
     for (;;) {
         SidePair pair = 0;
         if (cut.count == crossingBlocks && compact(cut) > mostOfCrossing) {
@@ -126,7 +124,7 @@ CrossingEnd refineCrossing(Descent& descent, CrossingCut& cut, const RateFormula
         --units;
         ++descent.work;
         if (!bothLeaves(pair)) {
-            expand(descent, pose, pair, formula, cut);
+            expand(descent, pose, pair, terms, cut);
             continue;
         }
         descent.lanes = overlapsLeaves(blockA(descent, pair).corner, blockB(descent, pair).corner, descent.pose);
@@ -183,7 +181,8 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-void startCrossing(CrossingCut& cut) noexcept {
+void startCrossing(CrossingCut& cut, float octaves) noexcept {
+    cut.octaves = octaves;
     for (float& urgency : cut.urgency[0]) {
         urgency = 0;
     }

@@ -41,15 +41,14 @@ HWY_INLINE Crossings crossingsOf(const PairPose& pose, SideA sideA, SideB sideB,
     const SurfacePair pair = surfacePairOf(pose, sideA, sideB, apart);
     Crossings out;
     const Float16 perDeterminant = wide(1) / pair.determinant;
-    const Float16 determinantOctaves = roughLog2(pair.determinant);
-    out.closeness.squaredDistance = wide(pose.perLength * pose.perLength) * (pair.product * perDeterminant);
-    out.closeness.length = pair.octaves - wide(2.0F / 3) * determinantOctaves;
+    out.closeness = {pair.product * perDeterminant, pair.determinant, pair.octaves};
 
     const Float16 h[3] = {pair.toward[0] * perDeterminant, pair.toward[1] * perDeterminant,
                           pair.toward[2] * perDeterminant};
     const Float16* const c = pair.covarianceA;
-    const Float16 shift[3] = {c[0] * h[0] + c[1] * h[1] + c[2] * h[2], c[1] * h[0] + c[3] * h[1] + c[4] * h[2],
-                              c[2] * h[0] + c[4] * h[1] + c[5] * h[2]};
+    const Float16 shift[3] = {fused(c[0], h[0], fused(c[1], h[1], c[2] * h[2])),
+                              fused(c[1], h[0], fused(c[3], h[1], c[4] * h[2])),
+                              fused(c[2], h[0], fused(c[4], h[1], c[5] * h[2]))};
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         out.position[i] = sideA.wideOf(sideA.node->center[i]) + pair.offsetA[i] + shift[i];
@@ -68,17 +67,18 @@ HWY_INLINE Crossings crossingsOf(const PairPose& pose, SideA sideA, SideB sideB,
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         a[i] = spread(flatA * sideA.fourOf(sideA.node->normal[i]));
-        b[i] = repeated(fourTimes(pose.row[i][0]) * inB[0] + fourTimes(pose.row[i][1]) * inB[1] +
-                        fourTimes(pose.row[i][2]) * inB[2]);
+        b[i] = repeated(fused(fourTimes(pose.row[i][0]), inB[0],
+                              fused(fourTimes(pose.row[i][1]), inB[1], fourTimes(pose.row[i][2]) * inB[2])));
         out.direction[i] = b[i] - a[i];
     }
     out.flatness = spread(flatA) * repeated(flatB);
-    out.cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    const Float16 sine = sqrt(max(out.flatness * out.flatness - out.cosine * out.cosine, wide(0))) +
+    out.cosine = fused(a[0], b[0], fused(a[1], b[1], a[2] * b[2]));
+    const Float16 sine = sqrt(max(fusedAway(out.cosine, out.cosine, out.flatness * out.flatness), wide(0))) +
                          wide(0.785398F) * (wide(1) - out.flatness);
     // log2 of (2 pi)^(3/2) is 3.97722; half of log2 of e is 0.7213475.
-    const Float16 octaves = pair.octaves - wide(0.5F) * determinantOctaves -
-                            wide(0.7213475F) * out.closeness.squaredDistance - wide(3.97722F);
+    const Float16 octaves = fused(wide(-0.7213475F * pose.perLength * pose.perLength), out.closeness.quotient,
+                                  fused(wide(-0.5F), roughLog2(pair.determinant),
+                                        fused(wide(1.0F / 256), pair.octaves, wide(pose.areaOctaves - 3.97722F))));
     out.length = wide(perPerLength) * (sine * roughExp2(octaves));
     return out;
 }

@@ -7,7 +7,7 @@
 #define HWY_TARGET_INCLUDE <grapeshot/adb/detail/estimate.cpp>
 #include <hwy/foreach_target.h>
 
-#include <grapeshot/adb/detail/child_sides.hpp>
+#include <grapeshot/adb/detail/cut_wide.hpp>
 #include <grapeshot/adb/detail/surface_pair.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -24,47 +24,16 @@ HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Sid
         descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
             Float16 apart[3];
             out.mask = touching(*pose.pose, marginsOf(pose, childrenA, childrenB, apart));
-            out.closeness = closenessOf(*pose.pose, surfacePairOf(*pose.pose, childrenA, childrenB, apart));
+            out.closeness = closenessOf(surfacePairOf(*pose.pose, childrenA, childrenB, apart));
         });
     out.mask &= meant;
     return out;
 }
 
-/// Appends the lanes of the mask to the cut. `rates` is 0 in the others.
-HWY_INLINE void append(Cut& cut, const FourSides& a, const FourSides& b, Float16 rates, std::uint32_t mask) {
-    writeLanes(rates, mask, cut.rates + cut.count);
-    cut.count += writeLanes(a, b, mask, cut.sidesA + cut.count, cut.sidesB + cut.count);
-    storeU(wide(0), cut.rates + cut.count);  // up to the next multiple of 16, where another query may have been
-}
-
-/// Takes the entry with the largest rate (of equal ones the first) out; the last one moves to its place.
-HWY_INLINE SidePair takeLargest(Cut& cut) {
-    Float16 largest = load(cut.rates);
-    for (std::size_t i = 16; i < cut.count; i += 16) {
-        largest = max(largest, load(cut.rates + i));
-    }
-    const float rate = largestLane(largest);
-    std::size_t place = 0;
-    for (std::size_t i = 0; i < cut.count; i += 16) {
-        const std::uint32_t mask = bits(load(cut.rates + i) == wide(rate));
-        if (mask != 0) {
-            place = i + static_cast<std::size_t>(__builtin_ctz(mask));
-            break;
-        }
-    }
-    const SidePair pair = sidePair(cut.sidesA[place], cut.sidesB[place]);
-    const std::size_t last = --cut.count;
-    cut.sidesA[place] = cut.sidesA[last];
-    cut.sidesB[place] = cut.sidesB[last];
-    cut.rates[place] = cut.rates[last];
-    cut.rates[last] = 0;
-    cut.rate = cut.count == 0 || cut.rate < rate ? 0 : cut.rate - rate;
-    return pair;
-}
-
 EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
                        std::uint32_t mostSteps, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
+    const RateTerms terms = rateTerms(formula, descent.prepared, cut.octaves);
     for (;;) {
         if (cut.count == 0) {
             return EstimateEnd::exhausted;
@@ -73,6 +42,9 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
             const std::size_t row = Calibration::rowOf(cut.steps);
             if (cut.rate >= limits.yes[row] || cut.rate <= limits.no[row]) {
                 return EstimateEnd::limit;
+            }
+            if (cut.rate > limits.doubtFrom[row] && cut.rate < limits.doubtTo[row] && mostSteps != endlessSteps) {
+                return EstimateEnd::handOver;
             }
         }
         if (cut.steps >= mostSteps || cut.count > mostOfCut) {
@@ -86,8 +58,7 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         SidePair pair = 0;
         if (cut.steps == 0) {
             cut.count = 0;
-            cut.rate = 0;
-            pair = sidePair(cut.sidesA[0], cut.sidesB[0]);
+            pair = sidePair(0, 0);
         } else {
             pair = takeLargest(cut);
         }
@@ -103,13 +74,30 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         const Side a = sideA(pair);
         const Side b = sideB(pair);
         const Tested tested = test(descent, pose, a, b);
-        const Float16 rates =
-            roughExp2(wide(formula.constant) + wide(formula.distance) * tested.closeness.squaredDistance +
-                      wide(formula.length) * tested.closeness.length);
-        const Float16 counted = select(maskOf(tested.mask), rates, wide(0));
+        const Float16 counted = select(maskOf(tested.mask), ratesOf(terms, tested.closeness), wide(0));
         cut.rate = cut.rate + sum(counted);
         append(cut, sidesOf(descent.nodesA, a), sidesOf(descent.nodesB, b), counted, tested.mask);
     }
+}
+
+void handOver(Descent& descent, Cut& cut) {
+    if (cut.count == 0) {
+        return;
+    }
+    const float rate = cut.rate;  // what the probability of the exact part goes by
+    const SidePair likeliest = cut.steps == 0 ? sidePair(0, 0) : takeLargest(cut);
+    cut.rate = rate;
+    while (descent.depth + cutCapacity + stackRoom > descent.capacity) {
+        descent.grow(descent);
+    }
+    for (std::size_t i = 0; i < 16 * cut.blocks; i += 16) {
+        const std::uint32_t mask = bits(load(cut.rates + i) > wide(0));
+        writeLanes(cut.sidesA + i, mask, descent.stackA + descent.depth);
+        descent.depth += writeLanes(cut.sidesB + i, mask, descent.stackB + descent.depth);
+    }
+    cut.count = 0;
+    descent.stackA[descent.depth] = sideA(likeliest);
+    descent.stackB[descent.depth++] = sideB(likeliest);
 }
 
 int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) {
@@ -118,8 +106,8 @@ int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) {
     const FourSides b = sidesOf(descent.nodesB, sideB(pair));
     alignas(64) float squaredDistance[16];
     alignas(64) float length[16];
-    store(tested.closeness.squaredDistance, squaredDistance);
-    store(tested.closeness.length, length);
+    store(squaredDistanceOf(descent.prepared, tested.closeness), squaredDistance);
+    store(lengthOf(descent.prepared, tested.closeness), length);
     int count = 0;
     for (std::uint32_t rest = tested.mask; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
@@ -140,6 +128,11 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
                        std::uint32_t mostSteps, std::uint64_t units) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toEstimate);
     return kernel.chosen()(descent, cut, formula, limits, mostSteps, units);
+}
+
+void handOver(Descent& descent, Cut& cut) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(handOver);
+    kernel.chosen()(descent, cut);
 }
 
 int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) noexcept {

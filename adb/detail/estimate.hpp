@@ -19,6 +19,9 @@ namespace grapeshot::detail {
 struct RateLimits {
     float yes[Calibration::stepRows];
     float no[Calibration::stepRows];
+    /// Between these two the exact traversal takes over at once, unless there is none to follow: too far from both.
+    float doubtFrom[Calibration::stepRows];
+    float doubtTo[Calibration::stepRows];
 };
 /// Rates are never so large, and never so small.
 inline constexpr float unreachableYes = std::numeric_limits<float>::infinity();
@@ -28,36 +31,58 @@ inline constexpr RateLimits noLimits = [] {
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
         limits.yes[row] = unreachableYes;
         limits.no[row] = unreachableNo;
+        limits.doubtFrom[row] = unreachableYes;
+        limits.doubtTo[row] = unreachableNo;
     }
     return limits;
 }();
 
 /// A cut through the tree of pairs: every pair that touches lies below one of its entries, or was tested. Plain data,
-/// in borrowed memory.
+/// in borrowed memory, in blocks of sixteen: the children of one step stay where their lanes are, so that what was just
+/// stored is read as it was stored.
 struct Cut {
-    Side* sidesA = nullptr;  ///< room for a multiple of 16 entries, at least 32 more than `count`
+    Side* sidesA = nullptr;  ///< room for cutCapacity entries each
     Side* sidesB = nullptr;
-    float* rates = nullptr;  ///< 0 from `count` to the next multiple of 16
-    std::size_t count = 0;
+    float* rates = nullptr;  ///< 0 where there is no entry; also in the blocks up to the next multiple of four
+    std::size_t blocks = 0;
+    std::size_t count = 0;    ///< entries; before the first step one, the root, which is not in the blocks
     float rate = 0;           ///< sum of all rates
     std::uint32_t steps = 0;  ///< taken, of either kind
+    float octaves = 0;        ///< WholePair::octaves: all rates are 2^this times what the formula says
 };
 /// A cut with more entries is not searched any further: looking for the likeliest costs more than it brings.
 inline constexpr std::size_t mostOfCut = 224;
 inline constexpr std::size_t cutCapacity = 256;
-static_assert(mostOfCut + 32 <= cutCapacity);
+inline constexpr std::size_t mostBlocks = cutCapacity / 16;
+static_assert(mostOfCut <= 16 * (mostBlocks - 1) && mostBlocks % 4 == 0);
+
+/// The root alone.
+inline void startCut(Cut& cut, float octaves) noexcept {
+    cut.octaves = octaves;
+    cut.blocks = 0;
+    cut.count = 1;
+    cut.rate = 0;
+    cut.steps = 0;
+}
+
+/// Of `mostSteps`: the estimate never hands over while the cut is not too large.
+inline constexpr std::uint32_t endlessSteps = std::numeric_limits<std::uint32_t>::max();
 
 enum class EstimateEnd {
     exhausted,  ///< the cut is empty: the surfaces are apart
     found,      ///< at Descent::found, which is off the cut: they intersect
     limit,      ///< the rate is beyond a limit
-    handOver,   ///< `mostSteps` taken or the cut too large
+    handOver,   ///< `mostSteps` taken, in doubt, or the cut too large
     budget,
 };
 
 /// From where the cut is, spending at most `units`.
 EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
                        std::uint32_t mostSteps, std::uint64_t units) noexcept;
+
+/// All of the cut to the stack, the likeliest on top; the others in their order, which costs a few steps less than
+/// sorting them would. The cut is empty afterwards.
+void handOver(Descent& descent, Cut& cut) noexcept;
 
 /// What the rate of a pair of children is made of.
 struct ChildPair {

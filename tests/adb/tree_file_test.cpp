@@ -72,6 +72,7 @@ TEST_F(TreeFile, ComesBackByteForByte) {
     EXPECT_EQ(loaded.lower, tree.lower);
     EXPECT_EQ(loaded.upper, tree.upper);
     EXPECT_EQ(loaded.radius, tree.radius);
+    EXPECT_EQ(std::memcmp(&loaded.whole, &tree.whole, sizeof(WholeSurface)), 0);
     EXPECT_THAT(findings(loaded), testing::IsEmpty());
 }
 

@@ -1,7 +1,6 @@
 #include "fit_suite.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -12,6 +11,7 @@
 #include "fit_meshes.hpp"
 #include "pair_walk.hpp"
 #include "rate_fit.hpp"
+#include "region_fit.hpp"
 #include "table_fit.hpp"
 
 namespace grapeshot::bench {
@@ -22,6 +22,8 @@ constexpr int distances = 12;
 /// What orders the walk before there is a formula; anything near will do.
 constexpr RateFormula firstGuess{-0.4F, -0.65F, 0.57F};
 constexpr std::uint32_t longestWalk = 96;
+/// Of the poses in which contact regions are watched, as parts of the box's diagonal: mostly penetrations.
+constexpr double regionGaps[] = {-0.08, -0.05, -0.03, -0.015, -0.005, 0.004};
 constexpr std::uint32_t estimateSteps = 4;  ///< of the default settings
 
 /// Children of the last of one to twelve steps, three in ten of them.
@@ -40,9 +42,7 @@ void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random&
         if (end != detail::EstimateEnd::budget || walk.cut().count == 0) {
             continue;
         }
-        const float* const likeliest = std::max_element(walk.cut().rates, walk.cut().rates + walk.cut().count);
-        const auto place = static_cast<std::size_t>(likeliest - walk.cut().rates);
-        const detail::SidePair pair = detail::sidePair(walk.cut().sidesA[place], walk.cut().sidesB[place]);
+        const detail::SidePair pair = steps == 0 ? detail::sidePair(0, 0) : walk.likeliest();
         if (detail::bothLeaves(pair)) {
             continue;
         }
@@ -58,9 +58,28 @@ void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random&
 
 using Seen = std::vector<std::pair<float, bool>>;
 struct Tables {
+    std::vector<Seen> wholes;  ///< of each mesh
     Seen bySteps[Calibration::stepRows];
     Seen afterwards[Calibration::afterRows];
 };
+
+/// Of the meshes' curves, at each knot the one nearest to one half; one half if they lie on both sides of it.
+Calibration::Row leastSure(const std::vector<Seen>& meshes) {
+    Calibration::Row least{};
+    Calibration::Row most{};
+    least.fill(1);
+    for (const Seen& seen : meshes) {
+        const Calibration::Row row = fitRow(seen);
+        for (std::size_t knot = 0; knot < row.size(); ++knot) {
+            least[knot] = std::min(least[knot], row[knot]);
+            most[knot] = std::max(most[knot], row[knot]);
+        }
+    }
+    for (std::size_t knot = 0; knot < least.size(); ++knot) {
+        least[knot] = std::clamp(0.5F, least[knot], most[knot]);
+    }
+    return least;
+}
 
 /// The rate after every step of each pose, and what came of it.
 void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& formula, Tables& tables) {
@@ -70,12 +89,15 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
             continue;
         }
         const bool collides = walk.overlaps(detail::sidePair(0, 0));
+        const float squaredDistance = walk.squaredDistanceOfWholes();
+        if (squaredDistance > 0) {
+            tables.wholes.back().emplace_back(1 / (squaredDistance * squaredDistance), collides);
+        }
         for (std::uint32_t step = 1; step <= longestWalk; ++step) {
             if (walk.estimate(formula) != detail::EstimateEnd::budget || walk.cut().rate <= 0) {
                 break;  // certain
             }
-            const auto row = static_cast<std::size_t>(std::bit_width(step - 1));
-            tables.bySteps[std::min(row, Calibration::stepRows - 1)].emplace_back(walk.cut().rate, collides);
+            tables.bySteps[Calibration::rowOf(step)].emplace_back(walk.cut().rate, collides);
             if (step == estimateSteps) {
                 std::uint64_t exactSteps = 0;
                 if (walk.overlapsBelowCut(exactSteps) != collides) {
@@ -112,9 +134,10 @@ report::Report runFitSuite(const Options& options) {
     calibration.formula = fitRates(samples);
     calibration.poses =
         "two copies of a generated mesh, twelve centre distances from 0.2 to 1.05 of the mean bounding "
-        "diameter, uniform directions and rotations";
+        "diameter, uniform directions and rotations; regions: the same mesh, up to 8 % of the diagonal in each other";
     Tables tables;
     for (const Tree& tree : trees) {
+        tables.wholes.emplace_back();
         watch(tree, posesOf(tree, random.bits()), calibration.formula, tables);
     }
     report::Report results{.suite = "fit", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
@@ -146,8 +169,17 @@ report::Report runFitSuite(const Options& options) {
             results.rows.push_back(line);
         }
     };
+    SeenRegions regions;
+    for (const Tree& tree : trees) {
+        for (const double gap : regionGaps) {
+            watchRegions(tree, test::grazingPoses(tree, tree, std::max(1, perMesh / 120), gap, random.bits()),
+                         calibration, regions);
+        }
+    }
+    calibration.whole = leastSure(tables.wholes);
     fill("steps", tables.bySteps, calibration.bySteps);
     fill("afterwards", tables.afterwards, calibration.afterwards);
+    fill("regions", regions, calibration.regions);
     results.claims.push_back({"area under the curve of the pairs' rates", pairs.measured[1].second, true, 0.9});
     if (!options.outputFile.empty()) {
         std::ofstream file(options.outputFile);

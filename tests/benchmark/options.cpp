@@ -10,7 +10,8 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"anytime", "contacts", "decide", "fit", "guarantee", "paper", "scene", "trees", "workloads"};
+constexpr std::string_view suites[] = {"anytime", "contacts", "decide", "fit",      "guarantee",
+                                       "paper",   "scene",    "trees",  "workloads"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -114,7 +115,8 @@ std::string usage() {
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit and scene)
   --scenario NAME...    only these scenarios (scene; workloads: work, unlike, coherent, hot); limits: which limits of
-                        the probability are best on the meshes for fitting (decide)
+                        the probability are best on the meshes for fitting; nested: only shells inside each other
+                        (decide)
   --quick               a small sample: answers are checked, times are printed but not claimed
   --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)

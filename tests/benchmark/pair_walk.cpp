@@ -1,13 +1,15 @@
 #include "pair_walk.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-#include <utility>
+
+#include <grapeshot/adb/detail/whole_pair.hpp>
 
 namespace grapeshot::bench {
 
 PairWalk::PairWalk(const Tree& a, const Tree& b)
-    : m_cutA(detail::cutCapacity), m_cutB(detail::cutCapacity), m_radiusA(a.radius), m_radiusB(b.radius) {
+    : m_cutA(detail::cutCapacity), m_cutB(detail::cutCapacity), m_a(&a), m_b(&b) {
     detail::setTrees(m_descent, a, b);
     m_stack.lendTo(m_descent);
     m_cut.sidesA = m_cutA.data();
@@ -18,17 +20,24 @@ PairWalk::PairWalk(const Tree& a, const Tree& b)
 bool PairWalk::start(const Pose& bInA) {
     m_descent.pose = bInA;
     m_descent.depth = 0;
-    m_cut.count = 1;
-    m_cut.steps = 0;
-    m_cut.rate = 0;
-    m_cutA[0] = 0;
-    m_cutB[0] = 0;
-    return detail::prepare(bInA, m_radiusA, m_radiusB, 0, m_descent.prepared) == detail::PoseVerdict::usable;
+    if (detail::prepare(bInA, m_a->radius, m_b->radius, 0, m_descent.prepared) != detail::PoseVerdict::usable) {
+        return false;
+    }
+    const detail::WholePair whole = detail::wholePair(m_a->whole, m_b->whole, m_descent.prepared);
+    m_squaredDistance = whole.squaredDistance;
+    detail::startCut(m_cut, whole.octaves);
+    return true;
 }
 
 detail::EstimateEnd PairWalk::estimate(const RateFormula& formula) {
     return detail::toEstimate(m_descent, m_cut, formula, detail::noLimits, std::numeric_limits<std::uint32_t>::max(),
                               1);
+}
+
+detail::SidePair PairWalk::likeliest() const {
+    const float* const largest = std::max_element(m_cut.rates, m_cut.rates + 16 * m_cut.blocks);
+    const auto place = static_cast<std::size_t>(largest - m_cut.rates);
+    return detail::sidePair(m_cut.sidesA[place], m_cut.sidesB[place]);
 }
 
 int PairWalk::children(detail::SidePair pair, detail::ChildPair (&out)[16]) const {
@@ -50,15 +59,16 @@ bool PairWalk::overlaps(detail::SidePair pair) {
 }
 
 bool PairWalk::overlapsBelowCut(std::uint64_t& steps) {
-    std::vector<std::pair<float, std::size_t>> sorted;
-    for (std::size_t i = 0; i < m_cut.count; ++i) {
-        sorted.emplace_back(m_cut.rates[i], i);
-    }
-    std::sort(sorted.begin(), sorted.end());
     m_descent.depth = 0;
-    for (const auto& [rate, i] : sorted) {
-        detail::push(m_descent, detail::sidePair(m_cut.sidesA[i], m_cut.sidesB[i]));
-    }
+    const detail::Cut cut = m_cut;  // the walk goes on from it
+    const std::vector<detail::Side> sidesA = m_cutA;
+    const std::vector<detail::Side> sidesB = m_cutB;
+    const std::vector<float> rates(std::begin(m_rates), std::end(m_rates));
+    detail::handOver(m_descent, m_cut);
+    m_cut = cut;
+    std::copy(sidesA.begin(), sidesA.end(), m_cutA.begin());
+    std::copy(sidesB.begin(), sidesB.end(), m_cutB.begin());
+    std::copy(rates.begin(), rates.end(), m_rates);
     return descend(steps);
 }
 

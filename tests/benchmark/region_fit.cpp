@@ -25,7 +25,7 @@ void watchRegions(const Tree& tree, const std::vector<Pose>& poses, const Calibr
             groupCrossing(crossing.pieces, crossing.work, contactRegions, calibration, regions);
             for (const CrossingRegion& region : regions) {
                 if (!region.proven && region.rate > 0) {
-                    seen[Calibration::rowOf(budget)].emplace_back(
+                    seen[Calibration::rowOf(region.steps)].emplace_back(
                         region.rate, std::ranges::any_of(truth, [&](const CrossingRegion& one) {
                             return match(one, region, contactRegions);
                         }));
