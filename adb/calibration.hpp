@@ -23,10 +23,10 @@ struct RateFormula {
 
 /// A formula and a table, fitted together. A value; immutable once it is in use.
 struct Calibration {
-    static constexpr int version = 1;            ///< of the text form
+    static constexpr int version = 2;            ///< of the text form
     static constexpr std::size_t stepRows = 8;   ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
     static constexpr std::size_t afterRows = 8;  ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
-    static constexpr std::size_t knots = 41;     ///< log2 of the rate: -10, -9.5, ..., 10
+    static constexpr std::size_t knots = 41;     ///< rates 2^-10, 1.5 2^-10, 2^-9, ..., 2^10
     /// The row of so many steps, 1 or more.
     [[nodiscard]] static constexpr std::size_t rowOf(std::uint64_t steps) noexcept {
         std::size_t row = 0;
@@ -39,6 +39,9 @@ struct Calibration {
 
     std::string poses;  ///< what it holds for, in words; one line
     RateFormula formula;
+    /// Before the first step, by 1 / D^4 of the two whole surfaces in place of a rate. Of the meshes that it was fitted
+    /// on, the one that makes it least sure: a hole through a body counts here, and later steps see it.
+    Row whole{};
     std::array<Row, stepRows> bySteps{};  ///< while the estimate goes on
     std::array<Row, afterRows>
         afterwards{};  ///< when the exact part that follows has not ended yet; rate: the last one
@@ -47,12 +50,16 @@ struct Calibration {
 /// Fitted on generated meshes and Zachmann's procedure (see data/README.md); compiled in.
 [[nodiscard]] const Calibration& defaultCalibration();
 
-/// P(collide) when `steps` >= 1 steps have left a cut of this rate > 0. Linear between knots, constant beyond the last.
+/// P(collide) of two whole surfaces this D^2 apart. Linear between knots, constant beyond the last, like the others.
+[[nodiscard]] float probabilityOfWholes(const Calibration& calibration, float squaredDistance) noexcept;
+/// P(collide) when `steps` >= 1 steps have left a cut of this rate > 0.
 [[nodiscard]] float probabilityAfter(const Calibration& calibration, float rate, std::uint64_t steps) noexcept;
 /// P(collide) when the estimate ended with this rate, and `exactSteps` more have found nothing yet.
 [[nodiscard]] float probabilityAfterwards(const Calibration& calibration, float rate,
                                           std::uint64_t exactSteps) noexcept;
 
+/// Of a knot, 0 to Calibration::knots - 1.
+[[nodiscard]] float knotRate(std::size_t knot) noexcept;
 /// The least rate whose probability in a row is at least this, and the largest of those whose probability is at most
 /// this. Infinity, and -1, if there is none.
 [[nodiscard]] float leastRateAt(const Calibration::Row& row, float probability) noexcept;

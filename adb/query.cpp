@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <iterator>
 #include <limits>
-#include <utility>
 
 #include <grapeshot/adb/detail/query_state.hpp>
+#include <grapeshot/adb/detail/whole_pair.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 
 namespace grapeshot {
@@ -16,20 +18,38 @@ using detail::SidePair;
 
 namespace {
 
-detail::RateLimits limitsFor(const Calibration& calibration, float acceptAt, float rejectAt) {
-    detail::RateLimits limits = detail::noLimits;
-    for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
-        if (acceptAt < 1) {
-            limits.yes[row] = leastRateAt(calibration.bySteps[row], acceptAt);
-        }
-        if (rejectAt > 0) {
-            limits.no[row] = mostRateAt(calibration.bySteps[row], rejectAt);
-        }
-    }
-    return limits;
+/// D^2 at a rate of the row of whole surfaces. Infinity for a rate of 0.
+float squaredDistanceAt(float wholeRate) {
+    return 1 / std::sqrt(wholeRate);
 }
 
+/// Nearer than this, one body may lie inside the other: nested shells look like a collision to any sum of
+/// distributions, until the steps are as small as the gap. A shell of another's shape cannot leave this zone before it
+/// touches as long as the gap is less than a tenth of the size.
+constexpr float concentric = 0.1F;
+
 }  // namespace
+
+void Query::State::Limits::workOut() {
+    rates = detail::noLimits;
+    wholeYes = 0;
+    wholeNo = std::numeric_limits<float>::infinity();
+    if (acceptAt < 1) {
+        wholeYes = squaredDistanceAt(leastRateAt(calibration->whole, acceptAt));
+        for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+            rates.yes[row] = leastRateAt(calibration->bySteps[row], acceptAt);
+        }
+    }
+    if (rejectAt > 0) {
+        const float rate = mostRateAt(calibration->whole, rejectAt);
+        wholeNo = rate > 0 ? squaredDistanceAt(rate) : wholeNo;
+        for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
+            rates.no[row] = mostRateAt(calibration->bySteps[row], rejectAt);
+        }
+    }
+    onlyNo = rates;
+    std::fill(std::begin(onlyNo.yes), std::end(onlyNo.yes), detail::unreachableYes);
+}
 
 std::unique_ptr<Query::State> Query::State::copyOf(const State& other) {
     std::unique_ptr<State> copy(new State(other));
@@ -115,8 +135,10 @@ bool Query::State::useSettings(const DecideSettings& wanted) {
             wanted.calibration != nullptr ? wanted.calibration : &defaultCalibration();
         if (limits.calibration != calibration || limits.acceptAt != wanted.acceptAt ||
             limits.rejectAt != wanted.rejectAt) {
-            limits = {calibration, wanted.acceptAt, wanted.rejectAt,
-                      limitsFor(*calibration, wanted.acceptAt, wanted.rejectAt)};
+            limits.calibration = calibration;
+            limits.acceptAt = wanted.acceptAt;
+            limits.rejectAt = wanted.rejectAt;
+            limits.workOut();
         }
     }
     settings = wanted;
@@ -179,25 +201,42 @@ DescentEnd Query::State::nextOverlap(std::uint64_t units) {
     }
 }
 
-/// From the cut to the stack, the likeliest on top.
+/// At the two whole surfaces, before the first step and as a part of it. True if that is enough.
+bool Query::State::lookAtWholes() {
+    looking = false;
+    if (settings.acceptAt == 1 && settings.rejectAt == 0) {
+        return false;
+    }
+    const float squaredDistance = detail::squaredDistanceOfWholes(a->whole, b->whole, descent.prepared);
+    if (squaredDistance < concentric) {
+        inside = true;
+        return false;
+    }
+    if (squaredDistance <= limits.wholeYes || squaredDistance >= limits.wholeNo) {
+        ++descent.work;
+        wholeDistance = squaredDistance;
+        return true;
+    }
+    return false;
+}
+
 void Query::State::handOver() {
     estimating = false;
     exactFrom = descent.work;
-    std::array<std::pair<float, std::uint32_t>, detail::cutCapacity> sorted;
-    for (std::uint32_t i = 0; i < cut.count; ++i) {
-        sorted[i] = {cut.rates[i], i};
-    }
-    std::sort(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(cut.count));
-    for (std::size_t i = 0; i < cut.count; ++i) {
-        const std::uint32_t from = sorted[i].second;
-        detail::push(descent, detail::sidePair(cut.sidesA[from], cut.sidesB[from]));
+    if (cut.steps == 0) {
+        detail::push(descent, detail::sidePair(0, 0));
+    } else {
+        detail::handOver(descent, cut);
     }
 }
 
 /// P(they collide) of an answer that is not certain.
 float Query::State::collisionProbability() const {
-    if (settings.estimateSteps == 0 || cut.steps == 0) {
+    if (settings.estimateSteps == 0) {
         return 0.5F;
+    }
+    if (cut.steps == 0) {
+        return wholeDistance > 0 ? probabilityOfWholes(*limits.calibration, wholeDistance) : 0.5F;
     }
     return estimating ? probabilityAfter(*limits.calibration, cut.rate, cut.steps)
                       : probabilityAfterwards(*limits.calibration, cut.rate, descent.work - exactFrom);
@@ -212,11 +251,24 @@ Decision Query::State::goOn(const Budget& budget) {
             [&](std::uint64_t units) {
                 const std::uint64_t first = descent.work;
                 end = testPending(units);
+                if (end == DescentEnd::exhausted && looking && units > descent.work - first) {
+                    if (lookAtWholes()) {
+                        end = DescentEnd::budget;
+                        sure = true;
+                        return true;
+                    }
+                    if (inside && settings.estimateSteps != unlimited) {
+                        handOver();
+                    }
+                }
                 if (end == DescentEnd::exhausted && estimating) {
                     const auto mostSteps = static_cast<std::uint32_t>(
                         std::min<std::uint64_t>(settings.estimateSteps, std::numeric_limits<std::uint32_t>::max()));
                     switch (detail::toEstimate(descent, cut, limits.calibration->formula,
-                                               ignoreLimits ? detail::noLimits : limits.rates, mostSteps,
+                                               ignoreLimits ? detail::noLimits
+                                               : inside     ? limits.onlyNo
+                                                            : limits.rates,
+                                               mostSteps,
                                                units - (descent.work - first))) {
                         case EstimateEnd::exhausted:
                             return true;
@@ -298,6 +350,9 @@ Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget 
         return state.decision;
     }
     state.estimating = settings.estimateSteps > 0;
+    state.looking = state.estimating;
+    state.inside = false;
+    state.wholeDistance = 0;
     state.ignoreLimits = false;
     state.cut.count = 0;
     state.cut.steps = 0;

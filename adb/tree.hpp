@@ -62,6 +62,13 @@ struct ChildSurface {
 };
 [[nodiscard]] ChildSurface surfaceOf(const Node& node, const NodeDistribution& distribution, int slot) noexcept;
 
+/// How a whole mesh's surface is distributed, ready for four lanes at a time.
+struct alignas(16) WholeSurface {
+    float mean[4] = {};           ///< area-weighted centroid, m; the last is 0
+    float covariance[3][4] = {};  ///< columns, about the mean, in unit^2; thickened as in ChildSurface; the last are 0
+    float unit = 1;               ///< m, a power of two: about half the diagonal of the mesh's box
+};
+
 /// Up to four triangles as structure of arrays. Unused lanes repeat lane 0 and have triangle id noTriangle.
 inline constexpr std::uint32_t noTriangle = 0xffffffffU;
 struct alignas(16) LeafBlock {
@@ -84,6 +91,7 @@ struct Tree {
     std::vector<Triangle> triangles;
     Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< box of the mesh
     Eigen::Vector3f upper = Eigen::Vector3f::Zero();
+    WholeSurface whole;
     float radius = 0;  ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
 
     [[nodiscard]] MeshView mesh() const { return {vertices, triangles}; }

@@ -112,6 +112,24 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
     }
 }
 
+void handOver(Descent& descent, Cut& cut) {
+    if (cut.count == 0) {
+        return;
+    }
+    const float rate = cut.rate;  // what the probability of the exact part goes by
+    const SidePair likeliest = takeLargest(cut);
+    cut.rate = rate;
+    while (descent.depth + cut.count + 1 + stackRoom > descent.capacity) {
+        descent.grow(descent);
+    }
+    std::memcpy(descent.stackA + descent.depth, cut.sidesA, cut.count * sizeof(Side));
+    std::memcpy(descent.stackB + descent.depth, cut.sidesB, cut.count * sizeof(Side));
+    descent.depth += cut.count;
+    cut.count = 0;
+    descent.stackA[descent.depth] = sideA(likeliest);
+    descent.stackB[descent.depth++] = sideB(likeliest);
+}
+
 int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) {
     const Tested tested = test(descent, widened(descent.prepared), sideA(pair), sideB(pair));
     const FourSides a = sidesOf(descent.nodesA, sideA(pair));
@@ -140,6 +158,11 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
                        std::uint32_t mostSteps, std::uint64_t units) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(toEstimate);
     return kernel.chosen()(descent, cut, formula, limits, mostSteps, units);
+}
+
+void handOver(Descent& descent, Cut& cut) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(handOver);
+    kernel.chosen()(descent, cut);
 }
 
 int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) noexcept {

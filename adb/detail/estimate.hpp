@@ -59,6 +59,10 @@ enum class EstimateEnd {
 EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
                        std::uint32_t mostSteps, std::uint64_t units) noexcept;
 
+/// All of the cut to the stack, the likeliest on top; the others in their order, which costs a few steps less than
+/// sorting them would. The cut is empty afterwards.
+void handOver(Descent& descent, Cut& cut) noexcept;
+
 /// What the rate of a pair of children is made of.
 struct ChildPair {
     SidePair pair;

@@ -32,6 +32,8 @@ struct Query::State {
     void recallWitness();
     detail::DescentEnd testPending(std::uint64_t units);
     detail::DescentEnd nextOverlap(std::uint64_t units);
+    bool lookAtWholes();
+    /// From the cut to the stack.
     void handOver();
     [[nodiscard]] float collisionProbability() const;
     Decision goOn(const Budget& budget);
@@ -61,6 +63,9 @@ struct Query::State {
 
     DecideSettings settings;
     bool estimating = false;      ///< the cut holds what is left, not the stack or the queue
+    bool looking = false;         ///< the whole surfaces are still to be looked at
+    bool inside = false;          ///< one may lie inside the other: no estimated yes
+    float wholeDistance = 0;      ///< D^2 of the whole surfaces, if that was enough
     bool ignoreLimits = false;    ///< it was sure enough once
     std::uint64_t exactFrom = 0;  ///< work when the estimate handed over
     /// Of `settings`, in rates; of those that they were worked out for last, if `settings` needs none.
@@ -68,7 +73,11 @@ struct Query::State {
         const Calibration* calibration = nullptr;
         float acceptAt = 0;
         float rejectAt = 0;
+        float wholeYes = 0;  ///< D^2 of the whole surfaces: yes up to here
+        float wholeNo = 0;   ///< no from here on
         detail::RateLimits rates = detail::noLimits;
+        detail::RateLimits onlyNo = detail::noLimits;  ///< rates without the limits for yes
+        void workOut();
     } limits;
     detail::Cut cut;
     alignas(64) std::array<float, detail::cutCapacity> cutRates{};

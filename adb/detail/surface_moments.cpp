@@ -92,6 +92,20 @@ void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistri
     out.area[slot] = static_cast<std::int16_t>(std::lround(256 * std::clamp(octaves, leastOctaves, 120.0)));
 }
 
+void storeWhole(const SurfaceMoments& moments, double halfDiagonal, WholeSurface& out) {
+    out = WholeSurface();
+    out.unit = static_cast<float>(std::exp2(std::round(std::log2(std::clamp(halfDiagonal, 1e-30, 1e30)))));
+    const double unit = out.unit;
+    const Eigen::Matrix3d covariance =
+        (moments.covariance + thickening * moments.covariance.trace() * Eigen::Matrix3d::Identity()) / (unit * unit);
+    for (int axis = 0; axis < 3; ++axis) {
+        out.mean[axis] = static_cast<float>(moments.mean[axis]);
+        for (int other = 0; other < 3; ++other) {
+            out.covariance[axis][other] = static_cast<float>(covariance(other, axis));
+        }
+    }
+}
+
 void storeNone(int slot, NodeDistribution& out) {
     out.size[slot] = 1;
     for (auto& row : out.mean) {

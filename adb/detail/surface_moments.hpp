@@ -25,6 +25,8 @@ inline constexpr double thickening = 0.005;
 
 /// Writes one child of a node, whose box is there already.
 void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistribution& out);
+/// Of a whole mesh with this half diagonal, m.
+void storeWhole(const SurfaceMoments& moments, double halfDiagonal, WholeSurface& out);
 void storeNone(int slot, NodeDistribution& out);
 
 }  // namespace grapeshot::detail

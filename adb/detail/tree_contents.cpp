@@ -209,6 +209,7 @@ void fillContents(Tree& tree) {
         tree.lower[axis] = nodeExtents[0].lower[axis];
         tree.upper[axis] = nodeExtents[0].upper[axis];
     }
+    storeWhole(nodeMoments[0], 0.5 * (tree.upper.cast<double>() - tree.lower.cast<double>()).norm(), tree.whole);
 }
 
 }  // namespace grapeshot::detail

@@ -58,9 +58,28 @@ void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random&
 
 using Seen = std::vector<std::pair<float, bool>>;
 struct Tables {
+    std::vector<Seen> wholes;  ///< of each mesh
     Seen bySteps[Calibration::stepRows];
     Seen afterwards[Calibration::afterRows];
 };
+
+/// Of the meshes' curves, at each knot the one nearest to one half; one half if they lie on both sides of it.
+Calibration::Row leastSure(const std::vector<Seen>& meshes) {
+    Calibration::Row least{};
+    Calibration::Row most{};
+    least.fill(1);
+    for (const Seen& seen : meshes) {
+        const Calibration::Row row = fitRow(seen);
+        for (std::size_t knot = 0; knot < row.size(); ++knot) {
+            least[knot] = std::min(least[knot], row[knot]);
+            most[knot] = std::max(most[knot], row[knot]);
+        }
+    }
+    for (std::size_t knot = 0; knot < least.size(); ++knot) {
+        least[knot] = std::clamp(0.5F, least[knot], most[knot]);
+    }
+    return least;
+}
 
 /// The rate after every step of each pose, and what came of it.
 void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& formula, Tables& tables) {
@@ -70,6 +89,10 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
             continue;
         }
         const bool collides = walk.overlaps(detail::sidePair(0, 0));
+        const float squaredDistance = walk.squaredDistanceOfWholes();
+        if (squaredDistance > 0) {
+            tables.wholes.back().emplace_back(1 / (squaredDistance * squaredDistance), collides);
+        }
         for (std::uint32_t step = 1; step <= longestWalk; ++step) {
             if (walk.estimate(formula) != detail::EstimateEnd::budget || walk.cut().rate <= 0) {
                 break;  // certain
@@ -115,6 +138,7 @@ report::Report runFitSuite(const Options& options) {
         "diameter, uniform directions and rotations";
     Tables tables;
     for (const Tree& tree : trees) {
+        tables.wholes.emplace_back();
         watch(tree, posesOf(tree, random.bits()), calibration.formula, tables);
     }
     report::Report results{.suite = "fit", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
@@ -146,6 +170,7 @@ report::Report runFitSuite(const Options& options) {
             results.rows.push_back(line);
         }
     };
+    calibration.whole = leastSure(tables.wholes);
     fill("steps", tables.bySteps, calibration.bySteps);
     fill("afterwards", tables.afterwards, calibration.afterwards);
     results.claims.push_back({"area under the curve of the pairs' rates", pairs.measured[1].second, true, 0.9});

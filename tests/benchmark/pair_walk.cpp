@@ -1,13 +1,15 @@
 #include "pair_walk.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-#include <utility>
+
+#include <grapeshot/adb/detail/whole_pair.hpp>
 
 namespace grapeshot::bench {
 
 PairWalk::PairWalk(const Tree& a, const Tree& b)
-    : m_cutA(detail::cutCapacity), m_cutB(detail::cutCapacity), m_radiusA(a.radius), m_radiusB(b.radius) {
+    : m_cutA(detail::cutCapacity), m_cutB(detail::cutCapacity), m_a(&a), m_b(&b) {
     detail::setTrees(m_descent, a, b);
     m_stack.lendTo(m_descent);
     m_cut.sidesA = m_cutA.data();
@@ -23,12 +25,16 @@ bool PairWalk::start(const Pose& bInA) {
     m_cut.rate = 0;
     m_cutA[0] = 0;
     m_cutB[0] = 0;
-    return detail::prepare(bInA, m_radiusA, m_radiusB, 0, m_descent.prepared) == detail::PoseVerdict::usable;
+    return detail::prepare(bInA, m_a->radius, m_b->radius, 0, m_descent.prepared) == detail::PoseVerdict::usable;
 }
 
 detail::EstimateEnd PairWalk::estimate(const RateFormula& formula) {
     return detail::toEstimate(m_descent, m_cut, formula, detail::noLimits, std::numeric_limits<std::uint32_t>::max(),
                               1);
+}
+
+float PairWalk::squaredDistanceOfWholes() const {
+    return detail::squaredDistanceOfWholes(m_a->whole, m_b->whole, m_descent.prepared);
 }
 
 int PairWalk::children(detail::SidePair pair, detail::ChildPair (&out)[16]) const {
@@ -50,15 +56,20 @@ bool PairWalk::overlaps(detail::SidePair pair) {
 }
 
 bool PairWalk::overlapsBelowCut(std::uint64_t& steps) {
-    std::vector<std::pair<float, std::size_t>> sorted;
-    for (std::size_t i = 0; i < m_cut.count; ++i) {
-        sorted.emplace_back(m_cut.rates[i], i);
-    }
-    std::sort(sorted.begin(), sorted.end());
     m_descent.depth = 0;
-    for (const auto& [rate, i] : sorted) {
-        detail::push(m_descent, detail::sidePair(m_cut.sidesA[i], m_cut.sidesB[i]));
+    if (m_cut.steps == 0) {
+        detail::push(m_descent, detail::sidePair(0, 0));
+        return descend(steps);
     }
+    const detail::Cut cut = m_cut;  // the walk goes on from it
+    const std::vector<detail::Side> sidesA = m_cutA;
+    const std::vector<detail::Side> sidesB = m_cutB;
+    const std::vector<float> rates(std::begin(m_rates), std::end(m_rates));
+    detail::handOver(m_descent, m_cut);
+    m_cut = cut;
+    std::copy(sidesA.begin(), sidesA.end(), m_cutA.begin());
+    std::copy(sidesB.begin(), sidesB.end(), m_cutB.begin());
+    std::copy(rates.begin(), rates.end(), m_rates);
     return descend(steps);
 }
 

@@ -22,6 +22,8 @@ class PairWalk {
     /// One more step of the estimate from the root on.
     detail::EstimateEnd estimate(const RateFormula& formula);
     [[nodiscard]] const detail::Cut& cut() const { return m_cut; }
+    /// D^2 of the two whole surfaces in the last pose.
+    [[nodiscard]] float squaredDistanceOfWholes() const;
     /// What a pair of the last pose consists of.
     int children(detail::SidePair pair, detail::ChildPair (&out)[16]) const;
     /// Do any triangles below two sides intersect, in the last pose? Exact.
@@ -37,7 +39,8 @@ class PairWalk {
     detail::Cut m_cut;
     std::vector<detail::Side> m_cutA, m_cutB;
     alignas(64) float m_rates[detail::cutCapacity] = {};
-    float m_radiusA, m_radiusB;
+    const Tree* m_a;
+    const Tree* m_b;
 };
 
 }  // namespace grapeshot::bench

@@ -46,7 +46,7 @@ Calibration::Row fitRow(std::vector<std::pair<float, bool>> seen) {
     std::size_t block = 0;
     double highest = 0;
     for (std::size_t knot = 0; knot < row.size(); ++knot) {
-        const double octaves = -10 + 0.5 * static_cast<double>(knot);
+        const double octaves = std::log2(double{knotRate(knot)});
         while (block + 1 < blocks.size() && blocks[block + 1].first <= octaves) {
             ++block;
         }
