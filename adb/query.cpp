@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -23,10 +24,10 @@ float squaredDistanceAt(float wholeRate) {
     return 1 / std::sqrt(wholeRate);
 }
 
-/// Nearer than this, one body may lie inside the other: nested shells look like a collision to any sum of
-/// distributions, until the steps are as small as the gap. A shell of another's shape cannot leave this zone before it
-/// touches as long as the gap is less than a tenth of the size.
-constexpr float concentric = 0.1F;
+/// The probability with so many times the odds.
+float withOdds(float probability, float factor) {
+    return factor * probability / (factor * probability + 1 - probability);
+}
 
 }  // namespace
 
@@ -45,6 +46,15 @@ void Query::State::Limits::workOut() {
         wholeNo = rate > 0 ? squaredDistanceAt(rate) : wholeNo;
         for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
             rates.no[row] = mostRateAt(calibration->bySteps[row], rejectAt);
+        }
+    }
+    if (acceptAt < 1 && rejectAt > 0) {
+        static const float F = getenv("DOUBT") ? atof(getenv("DOUBT")) : 64;
+        const float from = withOdds(rejectAt, F);
+        const float to = withOdds(acceptAt, 1 / F);
+        for (std::size_t row = 0; from < to && row < Calibration::stepRows; ++row) {
+            rates.doubtFrom[row] = leastRateAt(calibration->bySteps[row], from);
+            rates.doubtTo[row] = mostRateAt(calibration->bySteps[row], to);
         }
     }
     onlyNo = rates;
@@ -208,7 +218,7 @@ bool Query::State::lookAtWholes() {
         return false;
     }
     const float squaredDistance = detail::squaredDistanceOfWholes(a->whole, b->whole, descent.prepared);
-    if (squaredDistance < concentric) {
+    if (squaredDistance < detail::leastEstimated) {
         inside = true;
         return false;
     }
@@ -263,7 +273,7 @@ Decision Query::State::goOn(const Budget& budget) {
                 }
                 if (end == DescentEnd::exhausted && estimating) {
                     const auto mostSteps = static_cast<std::uint32_t>(
-                        std::min<std::uint64_t>(settings.estimateSteps, std::numeric_limits<std::uint32_t>::max()));
+                        std::min<std::uint64_t>(settings.estimateSteps, detail::endlessSteps));
                     switch (detail::toEstimate(descent, cut, limits.calibration->formula,
                                                ignoreLimits ? detail::noLimits
                                                : inside     ? limits.onlyNo
@@ -294,31 +304,29 @@ Decision Query::State::goOn(const Budget& budget) {
             });
         finished = end != DescentEnd::budget;
         ignoreLimits = ignoreLimits || sure;
-        decision.work = descent.work;
-        if (end == DescentEnd::found) {
-            decision.collides = true;
+        hit = end == DescentEnd::found;
+        if (hit) {
             // Unused lanes repeat lane 0, so the lowest lane is a used one.
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(descent.lanes));
-            decision.witness = {detail::blockA(descent, descent.found).triangle[lane >> 2U],
-                                detail::blockB(descent, descent.found).triangle[lane & 3U]};
+            hitTriangles = {detail::blockA(descent, descent.found).triangle[lane >> 2U],
+                            detail::blockB(descent, descent.found).triangle[lane & 3U]};
             witness = descent.found;
             hasWitness = true;
-        } else {
-            decision.collides = false;
         }
     }
-    decision.certain = finished;
+    // Made where it goes: a copy of what has just been written in parts would have to wait for them.
     if (finished) {
-        decision.probability = 1;
-        decision.stop = StopReason::certain;
-        return decision;
+        return {hit, 1, true, StopReason::certain, descent.work, hit ? hitTriangles : TrianglePair()};
     }
     // Not quite one: that is for what is proven.
     const float probability = std::clamp(collisionProbability(), 1e-6F, 1 - 1e-6F);
-    decision.collides = probability >= 0.5F;
-    decision.probability = decision.collides ? probability : 1 - probability;
-    decision.stop = sure ? StopReason::probability : StopReason::budget;
-    return decision;
+    const bool collides = probability >= 0.5F;
+    return {collides,
+            collides ? probability : 1 - probability,
+            false,
+            sure ? StopReason::probability : StopReason::budget,
+            descent.work,
+            TrianglePair()};
 }
 
 bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode) noexcept {
@@ -344,12 +352,12 @@ Query::~Query() = default;
 
 Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget budget) {
     State& state = *m_state;
-    state.decision = Decision();
     if (!state.useSettings(settings) || !state.start(State::Task::decide, bInA, settings.order, 0)) {
         state.task = State::Task::none;
-        return state.decision;
+        return {};
     }
     state.estimating = settings.estimateSteps > 0;
+    state.hit = false;
     state.looking = state.estimating;
     state.inside = false;
     state.wholeDistance = 0;

@@ -8,6 +8,8 @@ function(grapeshot_install target export_name export_set)
                           SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} INSTALL_RPATH "$ORIGIN"
                           LINK_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/grapeshot.map)
     target_link_options(${target} PRIVATE LINKER:--version-script=${PROJECT_SOURCE_DIR}/cmake/grapeshot.map)
+    # A call from one file of the library to another goes there, not by way of a table that the loader fills in.
+    target_link_options(${target} PRIVATE LINKER:-Bsymbolic-functions)
     install(TARGETS ${target} EXPORT ${export_set} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
     install(EXPORT ${export_set} NAMESPACE Grapeshot:: DESTINATION ${GRAPESHOT_CMAKE_DIR})
 endfunction()

@@ -74,6 +74,9 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
             if (cut.rate >= limits.yes[row] || cut.rate <= limits.no[row]) {
                 return EstimateEnd::limit;
             }
+            if (cut.rate > limits.doubtFrom[row] && cut.rate < limits.doubtTo[row] && mostSteps != endlessSteps) {
+                return EstimateEnd::handOver;
+            }
         }
         if (cut.steps >= mostSteps || cut.count > mostOfCut) {
             return EstimateEnd::handOver;

@@ -19,6 +19,9 @@ namespace grapeshot::detail {
 struct RateLimits {
     float yes[Calibration::stepRows];
     float no[Calibration::stepRows];
+    /// Between these two the exact traversal takes over at once, unless there is none to follow: too far from both.
+    float doubtFrom[Calibration::stepRows];
+    float doubtTo[Calibration::stepRows];
 };
 /// Rates are never so large, and never so small.
 inline constexpr float unreachableYes = std::numeric_limits<float>::infinity();
@@ -28,6 +31,8 @@ inline constexpr RateLimits noLimits = [] {
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
         limits.yes[row] = unreachableYes;
         limits.no[row] = unreachableNo;
+        limits.doubtFrom[row] = unreachableYes;
+        limits.doubtTo[row] = unreachableNo;
     }
     return limits;
 }();
@@ -47,11 +52,14 @@ inline constexpr std::size_t mostOfCut = 224;
 inline constexpr std::size_t cutCapacity = 256;
 static_assert(mostOfCut + 32 <= cutCapacity);
 
+/// Of `mostSteps`: the estimate never hands over while the cut is not too large.
+inline constexpr std::uint32_t endlessSteps = std::numeric_limits<std::uint32_t>::max();
+
 enum class EstimateEnd {
     exhausted,  ///< the cut is empty: the surfaces are apart
     found,      ///< at Descent::found, which is off the cut: they intersect
     limit,      ///< the rate is beyond a limit
-    handOver,   ///< `mostSteps` taken or the cut too large
+    handOver,   ///< `mostSteps` taken, in doubt, or the cut too large
     budget,
 };
 

@@ -59,7 +59,8 @@ struct Query::State {
     bool leafPending = false;  ///< descent.found is a leaf pair still to be tested
     detail::SidePair witness = 0;
     bool hasWitness = false;
-    Decision decision;
+    bool hit = false;  ///< finished with an intersecting pair
+    TrianglePair hitTriangles;
 
     DecideSettings settings;
     bool estimating = false;      ///< the cut holds what is left, not the stack or the queue

@@ -11,4 +11,9 @@ namespace grapeshot::detail {
 [[nodiscard]] float squaredDistanceOfWholes(const WholeSurface& a, const WholeSurface& b,
                                             const PairPose& pose) noexcept;
 
+/// Nearer than this, one body may lie inside the other, and no estimate says yes: nested shells look like a collision to
+/// any sum of distributions, until the steps are as small as the gap. A shell inside one of its own shape cannot come
+/// out of this zone before it touches, as long as the gap is small against the size.
+inline constexpr float leastEstimated = 0.1F;
+
 }  // namespace grapeshot::detail
