@@ -233,11 +233,7 @@ bool Query::State::lookAtWholes() {
 void Query::State::handOver() {
     estimating = false;
     exactFrom = descent.work;
-    if (cut.steps == 0) {
-        detail::push(descent, detail::sidePair(0, 0));
-    } else {
-        detail::handOver(descent, cut);
-    }
+    detail::handOver(descent, cut);
 }
 
 /// P(they collide) of an answer that is not certain.
@@ -362,16 +358,11 @@ Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget 
     state.inside = false;
     state.wholeDistance = 0;
     state.ignoreLimits = false;
-    state.cut.count = 0;
-    state.cut.steps = 0;
-    state.cut.rate = 0;
+    detail::startCut(state.cut);
     if (!state.estimating) {
         state.put(detail::sidePair(0, 0), 0);
     } else {
         state.order = Order::depthFirst;
-        state.cut.count = 1;
-        state.cut.sidesA[0] = 0;
-        state.cut.sidesB[0] = 0;
     }
     if (settings.tryWitness) {
         state.recallWitness();

@@ -19,17 +19,19 @@ struct FourSides {
     alignas(16) Side side[4];
 };
 HWY_INLINE FourSides sidesOf(const Node* nodes, Side side) {
+    using FourInts = std::int32_t __attribute__((vector_size(16)));
     FourSides out;
     if (isLeaf(side)) {
-        for (Side& entry : out.side) {
-            entry = side;
-        }
+        const auto leaf = static_cast<std::int32_t>(side);
+        const FourInts same = {leaf, leaf, leaf, leaf};
+        std::memcpy(out.side, &same, sizeof(same));
         return out;
     }
-    for (std::uint32_t slot = 0; slot < 4; ++slot) {
-        const ChildRef child = nodes[side].child[slot];
-        out.side[slot] = isLeaf(child) ? (leafBit | side << 2U | slot) : child;
-    }
+    FourInts children;
+    std::memcpy(&children, nodes[side].child, sizeof(children));
+    const FourInts slots = static_cast<std::int32_t>(leafBit | side << 2U) + FourInts{0, 1, 2, 3};
+    const FourInts sides = children < 0 ? slots : children;  // negative: the bit of a leaf
+    std::memcpy(out.side, &sides, sizeof(sides));
     return out;
 }
 
@@ -88,6 +90,19 @@ HWY_INLINE std::size_t writeLanes(const FourSides& a, const FourSides& b, std::u
 #endif
 }
 
+/// All sixteen lanes.
+HWY_INLINE void storeSides(const FourSides& a, const FourSides& b, Side* outA, Side* outB) {
+#if HWY_TARGET == HWY_SCALAR
+    for (std::uint32_t lane = 0; lane < 16; ++lane) {
+        outA[lane] = a.side[lane >> 2U];
+        outB[lane] = b.side[lane & 3U];
+    }
+#else
+    storeU(spreadA(reinterpret_cast<const float*>(a.side)), reinterpret_cast<float*>(outA));
+    storeU(repeatB(reinterpret_cast<const float*>(b.side)), reinterpret_cast<float*>(outB));
+#endif
+}
+
 /// The same for one number per lane.
 HWY_INLINE void writeLanes(Float16 numbers, std::uint32_t mask, float* out) {
 #if HWY_TARGET == HWY_SCALAR
@@ -103,6 +118,20 @@ HWY_INLINE void writeLanes(Float16 numbers, std::uint32_t mask, float* out) {
 #else
     one::StoreU(one::Compress(numbers.all, lanes.all), Register(), out);
 #endif
+#endif
+}
+
+/// The same for sides that stand in their lanes. `out` may be at `in` or before it.
+HWY_INLINE std::size_t writeLanes(const Side* in, std::uint32_t mask, Side* out) {
+#if HWY_TARGET == HWY_SCALAR
+    std::size_t count = 0;
+    for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
+        out[count++] = in[__builtin_ctz(rest)];
+    }
+    return count;
+#else
+    writeLanes(loadU(reinterpret_cast<const float*>(in)), mask, reinterpret_cast<float*>(out));
+    return static_cast<std::size_t>(__builtin_popcount(mask));
 #endif
 }
 

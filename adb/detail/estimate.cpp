@@ -7,7 +7,7 @@
 #define HWY_TARGET_INCLUDE <grapeshot/adb/detail/estimate.cpp>
 #include <hwy/foreach_target.h>
 
-#include <grapeshot/adb/detail/child_sides.hpp>
+#include <grapeshot/adb/detail/cut_wide.hpp>
 #include <grapeshot/adb/detail/surface_pair.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -28,38 +28,6 @@ HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Sid
         });
     out.mask &= meant;
     return out;
-}
-
-/// Appends the lanes of the mask to the cut. `rates` is 0 in the others.
-HWY_INLINE void append(Cut& cut, const FourSides& a, const FourSides& b, Float16 rates, std::uint32_t mask) {
-    writeLanes(rates, mask, cut.rates + cut.count);
-    cut.count += writeLanes(a, b, mask, cut.sidesA + cut.count, cut.sidesB + cut.count);
-    storeU(wide(0), cut.rates + cut.count);  // up to the next multiple of 16, where another query may have been
-}
-
-/// Takes the entry with the largest rate (of equal ones the first) out; the last one moves to its place.
-HWY_INLINE SidePair takeLargest(Cut& cut) {
-    Float16 largest = load(cut.rates);
-    for (std::size_t i = 16; i < cut.count; i += 16) {
-        largest = max(largest, load(cut.rates + i));
-    }
-    const float rate = largestLane(largest);
-    std::size_t place = 0;
-    for (std::size_t i = 0; i < cut.count; i += 16) {
-        const std::uint32_t mask = bits(load(cut.rates + i) == wide(rate));
-        if (mask != 0) {
-            place = i + static_cast<std::size_t>(__builtin_ctz(mask));
-            break;
-        }
-    }
-    const SidePair pair = sidePair(cut.sidesA[place], cut.sidesB[place]);
-    const std::size_t last = --cut.count;
-    cut.sidesA[place] = cut.sidesA[last];
-    cut.sidesB[place] = cut.sidesB[last];
-    cut.rates[place] = cut.rates[last];
-    cut.rates[last] = 0;
-    cut.rate = cut.count == 0 || cut.rate < rate ? 0 : cut.rate - rate;
-    return pair;
 }
 
 EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
@@ -89,8 +57,7 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         SidePair pair = 0;
         if (cut.steps == 0) {
             cut.count = 0;
-            cut.rate = 0;
-            pair = sidePair(cut.sidesA[0], cut.sidesB[0]);
+            pair = sidePair(0, 0);
         } else {
             pair = takeLargest(cut);
         }
@@ -120,14 +87,16 @@ void handOver(Descent& descent, Cut& cut) {
         return;
     }
     const float rate = cut.rate;  // what the probability of the exact part goes by
-    const SidePair likeliest = takeLargest(cut);
+    const SidePair likeliest = cut.steps == 0 ? sidePair(0, 0) : takeLargest(cut);
     cut.rate = rate;
-    while (descent.depth + cut.count + 1 + stackRoom > descent.capacity) {
+    while (descent.depth + cutCapacity + stackRoom > descent.capacity) {
         descent.grow(descent);
     }
-    std::memcpy(descent.stackA + descent.depth, cut.sidesA, cut.count * sizeof(Side));
-    std::memcpy(descent.stackB + descent.depth, cut.sidesB, cut.count * sizeof(Side));
-    descent.depth += cut.count;
+    for (std::size_t i = 0; i < 16 * cut.blocks; i += 16) {
+        const std::uint32_t mask = bits(load(cut.rates + i) > wide(0));
+        writeLanes(cut.sidesA + i, mask, descent.stackA + descent.depth);
+        descent.depth += writeLanes(cut.sidesB + i, mask, descent.stackB + descent.depth);
+    }
     cut.count = 0;
     descent.stackA[descent.depth] = sideA(likeliest);
     descent.stackB[descent.depth++] = sideB(likeliest);

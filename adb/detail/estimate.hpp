@@ -38,19 +38,30 @@ inline constexpr RateLimits noLimits = [] {
 }();
 
 /// A cut through the tree of pairs: every pair that touches lies below one of its entries, or was tested. Plain data,
-/// in borrowed memory.
+/// in borrowed memory, in blocks of sixteen: the children of one step stay where their lanes are, so that what was just
+/// stored is read as it was stored.
 struct Cut {
-    Side* sidesA = nullptr;  ///< room for a multiple of 16 entries, at least 32 more than `count`
+    Side* sidesA = nullptr;  ///< room for cutCapacity entries each
     Side* sidesB = nullptr;
-    float* rates = nullptr;  ///< 0 from `count` to the next multiple of 16
-    std::size_t count = 0;
+    float* rates = nullptr;  ///< 0 where there is no entry; also in the blocks up to the next multiple of four
+    std::size_t blocks = 0;
+    std::size_t count = 0;    ///< entries; before the first step one, the root, which is not in the blocks
     float rate = 0;           ///< sum of all rates
     std::uint32_t steps = 0;  ///< taken, of either kind
 };
 /// A cut with more entries is not searched any further: looking for the likeliest costs more than it brings.
 inline constexpr std::size_t mostOfCut = 224;
 inline constexpr std::size_t cutCapacity = 256;
-static_assert(mostOfCut + 32 <= cutCapacity);
+inline constexpr std::size_t mostBlocks = cutCapacity / 16;
+static_assert(mostOfCut <= 16 * (mostBlocks - 1) && mostBlocks % 4 == 0);
+
+/// The root alone.
+inline void startCut(Cut& cut) noexcept {
+    cut.blocks = 0;
+    cut.count = 1;
+    cut.rate = 0;
+    cut.steps = 0;
+}
 
 /// Of `mostSteps`: the estimate never hands over while the cut is not too large.
 inline constexpr std::uint32_t endlessSteps = std::numeric_limits<std::uint32_t>::max();

@@ -40,7 +40,7 @@ void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random&
         if (end != detail::EstimateEnd::budget || walk.cut().count == 0) {
             continue;
         }
-        const float* const likeliest = std::max_element(walk.cut().rates, walk.cut().rates + walk.cut().count);
+        const float* const likeliest = std::max_element(walk.cut().rates, walk.cut().rates + 16 * walk.cut().blocks);
         const auto place = static_cast<std::size_t>(likeliest - walk.cut().rates);
         const detail::SidePair pair = detail::sidePair(walk.cut().sidesA[place], walk.cut().sidesB[place]);
         if (detail::bothLeaves(pair)) {

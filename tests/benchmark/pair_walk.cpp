@@ -20,11 +20,7 @@ PairWalk::PairWalk(const Tree& a, const Tree& b)
 bool PairWalk::start(const Pose& bInA) {
     m_descent.pose = bInA;
     m_descent.depth = 0;
-    m_cut.count = 1;
-    m_cut.steps = 0;
-    m_cut.rate = 0;
-    m_cutA[0] = 0;
-    m_cutB[0] = 0;
+    detail::startCut(m_cut);
     return detail::prepare(bInA, m_a->radius, m_b->radius, 0, m_descent.prepared) == detail::PoseVerdict::usable;
 }
 
@@ -57,10 +53,6 @@ bool PairWalk::overlaps(detail::SidePair pair) {
 
 bool PairWalk::overlapsBelowCut(std::uint64_t& steps) {
     m_descent.depth = 0;
-    if (m_cut.steps == 0) {
-        detail::push(m_descent, detail::sidePair(0, 0));
-        return descend(steps);
-    }
     const detail::Cut cut = m_cut;  // the walk goes on from it
     const std::vector<detail::Side> sidesA = m_cutA;
     const std::vector<detail::Side> sidesB = m_cutB;
