@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -23,6 +22,9 @@ namespace {
 float squaredDistanceAt(float wholeRate) {
     return 1 / std::sqrt(wholeRate);
 }
+
+/// Where the odds are so many times from both limits, the next steps seldom reach one of them.
+constexpr float doubtOdds = 64;
 
 /// The probability with so many times the odds.
 float withOdds(float probability, float factor) {
@@ -49,9 +51,8 @@ void Query::State::Limits::workOut() {
         }
     }
     if (acceptAt < 1 && rejectAt > 0) {
-        static const float F = getenv("DOUBT") ? atof(getenv("DOUBT")) : 64;
-        const float from = withOdds(rejectAt, F);
-        const float to = withOdds(acceptAt, 1 / F);
+        const float from = withOdds(rejectAt, doubtOdds);
+        const float to = withOdds(acceptAt, 1 / doubtOdds);
         for (std::size_t row = 0; from < to && row < Calibration::stepRows; ++row) {
             rates.doubtFrom[row] = leastRateAt(calibration->bySteps[row], from);
             rates.doubtTo[row] = mostRateAt(calibration->bySteps[row], to);
@@ -214,17 +215,18 @@ DescentEnd Query::State::nextOverlap(std::uint64_t units) {
 /// At the two whole surfaces, before the first step and as a part of it. True if that is enough.
 bool Query::State::lookAtWholes() {
     looking = false;
+    const detail::WholePair whole = detail::wholePair(a->whole, b->whole, descent.prepared);
+    cut.octaves = whole.octaves;
     if (settings.acceptAt == 1 && settings.rejectAt == 0) {
         return false;
     }
-    const float squaredDistance = detail::squaredDistanceOfWholes(a->whole, b->whole, descent.prepared);
-    if (squaredDistance < detail::leastEstimated) {
+    if (whole.squaredDistance < detail::leastEstimated) {
         inside = true;
         return false;
     }
-    if (squaredDistance <= limits.wholeYes || squaredDistance >= limits.wholeNo) {
+    if (whole.squaredDistance <= limits.wholeYes || whole.squaredDistance >= limits.wholeNo) {
         ++descent.work;
-        wholeDistance = squaredDistance;
+        wholeDistance = whole.squaredDistance;
         return true;
     }
     return false;
@@ -358,7 +360,7 @@ Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget 
     state.inside = false;
     state.wholeDistance = 0;
     state.ignoreLimits = false;
-    detail::startCut(state.cut);
+    detail::startCut(state.cut, 0);
     if (!state.estimating) {
         state.put(detail::sidePair(0, 0), 0);
     } else {

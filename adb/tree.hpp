@@ -42,11 +42,11 @@ struct alignas(64) Node {
 static_assert(sizeof(Node) == 192);
 
 /// How the surface below each child is distributed, in 8 bits a number: one cache line. Beside the node because the
-/// exact traversal does without it. [entry][slot]; what is signed has 128 added. See ChildSurface for the numbers.
+/// exact traversal does without it. [entry][slot]. See ChildSurface for the numbers.
 struct alignas(64) NodeDistribution {
     float size[4];             ///< m, positive: unit of mean and root, times 127
-    std::uint8_t mean[3][4];   ///< centroid from the middle of the child's box
-    std::uint8_t root[6][4];   ///< 00, 10, 11, 20, 21, 22: the covariance is this (Cholesky, lower) times its transpose
+    std::int8_t mean[3][4];    ///< centroid from the middle of the child's box
+    std::int8_t root[6][4];    ///< 00, 10, 11, 20, 21, 22: the covariance is this (Cholesky, lower) times its transpose
     std::uint8_t flatness[4];  ///< in 1 / 255
     std::int16_t area[4];      ///< log2 of the area in m^2, in 1 / 256; below -100: no area
 };

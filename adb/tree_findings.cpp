@@ -25,6 +25,7 @@ class Inspector {
         if (m_findings.empty()) {
             checkContents();
             checkExtent();
+            checkWhole();
         }
         return m_findings;
     }
@@ -243,6 +244,34 @@ class Inspector {
                     }
                 }
             }
+        }
+    }
+
+    /// Against the plain sum over all triangles.
+    void checkWhole() {
+        std::vector<detail::SurfaceMoments> pieces;
+        for (const Triangle& triangle : m_tree.triangles) {
+            const auto corner = [&](int i) { return m_tree.vertices[triangle[i]].cast<double>().eval(); };
+            pieces.push_back(detail::momentsOf(corner(0), corner(1), corner(2)));
+        }
+        const detail::SurfaceMoments truth = detail::sum(pieces.data(), static_cast<int>(pieces.size()));
+        const WholeSurface& whole = m_tree.whole;
+        const double unit = whole.unit;
+        const double extent = m_tree.radius;
+        const Eigen::Matrix3d covariance =
+            truth.covariance + detail::thickening * truth.covariance.trace() * Eigen::Matrix3d::Identity();
+        bool wrong = !(unit > 0) || !(std::abs(whole.mean[3] - std::log2(truth.area)) < 1e-3);
+        for (int axis = 0; axis < 3; ++axis) {
+            wrong = wrong || !(std::abs(whole.mean[axis] - truth.mean[axis]) <= 1e-6 * extent);
+            wrong = wrong || whole.covariance[axis][3] != 0;
+            for (int other = 0; other < 3; ++other) {
+                const double stored = unit * unit * whole.covariance[axis][other];
+                wrong = wrong || !(std::abs(stored - covariance(other, axis)) <=
+                                   1e-5 * covariance.trace() + 1e-12 * extent * extent);
+            }
+        }
+        if (wrong && truth.area > 0) {
+            say("the distribution of the whole surface is not that of its triangles");
         }
     }
 

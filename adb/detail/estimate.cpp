@@ -33,6 +33,7 @@ HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Sid
 EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
                        std::uint32_t mostSteps, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
+    const RateTerms terms = rateTerms(formula, descent.prepared, cut.octaves);
     for (;;) {
         if (cut.count == 0) {
             return EstimateEnd::exhausted;
@@ -73,10 +74,7 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         const Side a = sideA(pair);
         const Side b = sideB(pair);
         const Tested tested = test(descent, pose, a, b);
-        const Float16 rates =
-            roughExp2(wide(formula.constant) + wide(formula.distance) * tested.closeness.squaredDistance +
-                      wide(formula.length) * tested.closeness.length);
-        const Float16 counted = select(maskOf(tested.mask), rates, wide(0));
+        const Float16 counted = select(maskOf(tested.mask), ratesOf(terms, tested.closeness), wide(0));
         cut.rate = cut.rate + sum(counted);
         append(cut, sidesOf(descent.nodesA, a), sidesOf(descent.nodesB, b), counted, tested.mask);
     }
@@ -108,8 +106,8 @@ int childPairs(const Descent& descent, SidePair pair, ChildPair (&out)[16]) {
     const FourSides b = sidesOf(descent.nodesB, sideB(pair));
     alignas(64) float squaredDistance[16];
     alignas(64) float length[16];
-    store(tested.closeness.squaredDistance, squaredDistance);
-    store(tested.closeness.length, length);
+    store(squaredDistanceOf(descent.prepared, tested.closeness), squaredDistance);
+    store(lengthOf(descent.prepared, tested.closeness), length);
     int count = 0;
     for (std::uint32_t rest = tested.mask; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));

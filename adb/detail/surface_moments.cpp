@@ -11,8 +11,8 @@ constexpr int rows[6] = {0, 1, 1, 2, 2, 2};
 constexpr int columns[6] = {0, 0, 1, 0, 1, 2};
 constexpr double leastOctaves = -120;
 
-std::uint8_t signedByte(double value) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(value, -1.0, 1.0) * 127) + 128);
+std::int8_t signedByte(double value) {
+    return static_cast<std::int8_t>(std::lround(std::clamp(value, -1.0, 1.0) * 127));
 }
 
 /// Lower root of a matrix that may be singular, or a little less than that by rounding.
@@ -84,7 +84,7 @@ void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistri
         out.root[entry][slot] = signedByte(root(rows[entry], columns[entry]));
     }
     for (const int entry : {0, 2, 5}) {  // a point, say: not zero, for the sake of the inverse
-        out.root[entry][slot] = std::max(out.root[entry][slot], std::uint8_t{129});
+        out.root[entry][slot] = std::max(out.root[entry][slot], std::int8_t{1});
     }
     const double flatness = moments.area > 0 ? moments.normalSum.norm() / moments.area : 0;
     out.flatness[slot] = static_cast<std::uint8_t>(std::lround(std::clamp(flatness, 0.0, 1.0) * 255));
@@ -94,6 +94,7 @@ void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistri
 
 void storeWhole(const SurfaceMoments& moments, double halfDiagonal, WholeSurface& out) {
     out = WholeSurface();
+    out.mean[3] = static_cast<float>(std::log2(std::clamp(moments.area, 1e-60, 1e60)));
     out.unit = static_cast<float>(std::exp2(std::round(std::log2(std::clamp(halfDiagonal, 1e-30, 1e30)))));
     const double unit = out.unit;
     const Eigen::Matrix3d covariance =
@@ -109,10 +110,10 @@ void storeWhole(const SurfaceMoments& moments, double halfDiagonal, WholeSurface
 void storeNone(int slot, NodeDistribution& out) {
     out.size[slot] = 1;
     for (auto& row : out.mean) {
-        row[slot] = 128;
+        row[slot] = 0;
     }
     for (auto& row : out.root) {
-        row[slot] = 129;
+        row[slot] = 1;
     }
     out.flatness[slot] = 0;
     out.area[slot] = static_cast<std::int16_t>(256 * leastOctaves);
@@ -128,11 +129,11 @@ ChildSurface surfaceOf(const Node& node, const NodeDistribution& distribution, i
     const double octaves = distribution.area[slot] / 256.0;
     out.area = octaves < -100 ? 0 : std::exp2(octaves);
     for (int axis = 0; axis < 3; ++axis) {
-        out.mean[axis] = node.center[axis][slot] + unit * (distribution.mean[axis][slot] - 128);
+        out.mean[axis] = node.center[axis][slot] + unit * distribution.mean[axis][slot];
     }
     Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
     for (int entry = 0; entry < 6; ++entry) {
-        root(detail::rows[entry], detail::columns[entry]) = unit * (distribution.root[entry][slot] - 128);
+        root(detail::rows[entry], detail::columns[entry]) = unit * distribution.root[entry][slot];
     }
     out.covariance = root * root.transpose();
     out.flatness = distribution.flatness[slot] / 255.0;

@@ -19,6 +19,8 @@
 #define GRAPESHOT_ADB_DETAIL_SURFACE_PAIR_HPP
 #endif
 
+#include <grapeshot/adb/calibration.hpp>
+#include <grapeshot/adb/detail/fused.hpp>
 #include <grapeshot/adb/detail/node_pair.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -81,15 +83,14 @@ HWY_INLINE Surfaces surfacesOf(Side side, float perLength) {
     const NodeDistribution& distribution = *side.distribution;
     const Float4 unit = fourTimes(1.0F / 127) * side.fourOf(distribution.size);
     const Float4 scaled = fourTimes(perLength) * unit;
-    const Float4 bias = fourTimes(-128);
     Surfaces out;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        out.offset[i] = (side.numbersOf(distribution.mean[i]) + bias) * unit;
+        out.offset[i] = side.numbersOf(distribution.mean[i]) * unit;
     }
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i) {
-        out.root[i] = (side.numbersOf(distribution.root[i]) + bias) * scaled;
+        out.root[i] = side.numbersOf(distribution.root[i]) * scaled;
     }
     out.octaves = side.numbersOf(distribution.area);
     return out;
@@ -102,7 +103,7 @@ HWY_INLINE void squared(const Float4 (&c0)[3], const Float4 (&c1)[3], const Floa
     for (int i = 0; i < 3; ++i) {
 #pragma GCC unroll 3
         for (int j = i; j < 3; ++j) {
-            out[next++] = c0[i] * c0[j] + c1[i] * c1[j] + c2[i] * c2[j];
+            out[next++] = fused(c0[i], c0[j], fused(c1[i], c1[j], c2[i] * c2[j]));
         }
     }
 }
@@ -115,8 +116,42 @@ struct SurfacePair {
     Float16 determinant;     ///< of it
     Float16 toward[3];       ///< its adjugate times d, from A's mean to B's in m
     Float16 product;         ///< d times that
-    Float16 octaves;         ///< log2 of both areas, without unit
+    Float16 octaves;         ///< log2(area_A area_B) in m^4, in 1 / 256
 };
+
+/// What D^2, L and rates are made of; in units that keep it within range.
+struct Closeness {
+    Float16 quotient;     ///< D^2 / perLength^2
+    Float16 determinant;  ///< of S_A + S_B, times perLength^6
+    Float16 octaves;      ///< log2(area_A area_B) in m^4, in 1 / 256
+};
+
+HWY_INLINE Float16 squaredDistanceOf(const PairPose& pose, const Closeness& closeness) {
+    return wide(pose.perLength * pose.perLength) * closeness.quotient;
+}
+HWY_INLINE Float16 lengthOf(const PairPose& pose, const Closeness& closeness) {
+    return wide(1.0F / 256) * closeness.octaves + wide(pose.areaOctaves) -
+           wide(2.0F / 3) * roughLog2(closeness.determinant);
+}
+
+/// 2^(constant + distance D^2 + length L) with all factors put together, as the bits of a float: in octaves times 2^23,
+/// with 127 added.
+struct RateTerms {
+    float start, quotient, determinant, octaves;
+};
+HWY_INLINE RateTerms rateTerms(const RateFormula& formula, const PairPose& pose, float octaves) {
+    const float share = -2.0F / 3 * formula.length;
+    return {0x1p23F * (octaves + formula.constant + formula.length * pose.areaOctaves - share * 127 + 127),
+            0x1p23F * formula.distance * (pose.perLength * pose.perLength), share, 0x1p23F / 256 * formula.length};
+}
+/// As rough as roughLog2 and roughExp2. Within 2^+-120; NaN counts as 2^-120.
+HWY_INLINE Float16 ratesOf(const RateTerms& terms, const Closeness& closeness) {
+    const Float16 bits =
+        fused(wide(terms.quotient), closeness.quotient,
+              fused(wide(terms.determinant), bitsAsNumber(closeness.determinant),
+                    fused(wide(terms.octaves), closeness.octaves, wide(terms.start))));
+    return numberAsBits(min(max(bits, wide(0x1p23F * 7)), wide(0x1p23F * 247)));
+}
 
 /// @param apart from A's box to B's, in A's frame, m
 template <class SideA, class SideB>
@@ -128,9 +163,9 @@ HWY_INLINE SurfacePair surfacePairOf(const PairPose& pose, SideA sideA, SideB si
     const Float4 covarianceA[6] = {rootA[0] * rootA[0],
                                    rootA[0] * rootA[1],
                                    rootA[0] * rootA[3],
-                                   rootA[1] * rootA[1] + rootA[2] * rootA[2],
-                                   rootA[1] * rootA[3] + rootA[2] * rootA[4],
-                                   rootA[3] * rootA[3] + rootA[4] * rootA[4] + rootA[5] * rootA[5]};
+                                   fused(rootA[1], rootA[1], rootA[2] * rootA[2]),
+                                   fused(rootA[1], rootA[3], rootA[2] * rootA[4]),
+                                   fused(rootA[3], rootA[3], fused(rootA[4], rootA[4], rootA[5] * rootA[5]))};
     const Float4(&rootB)[6] = b.root;
     Float4 c0[3];
     Float4 c1[3];
@@ -141,10 +176,10 @@ HWY_INLINE SurfacePair surfacePairOf(const PairPose& pose, SideA sideA, SideB si
         const Float4 r0 = fourTimes(pose.row[i][0]);
         const Float4 r1 = fourTimes(pose.row[i][1]);
         const Float4 r2 = fourTimes(pose.row[i][2]);
-        c0[i] = r0 * rootB[0] + r1 * rootB[1] + r2 * rootB[3];
-        c1[i] = r1 * rootB[2] + r2 * rootB[4];
+        c0[i] = fused(r0, rootB[0], fused(r1, rootB[1], r2 * rootB[3]));
+        c1[i] = fused(r1, rootB[2], r2 * rootB[4]);
         c2[i] = r2 * rootB[5];
-        offset[i] = r0 * b.offset[0] + r1 * b.offset[1] + r2 * b.offset[2];
+        offset[i] = fused(r0, b.offset[0], fused(r1, b.offset[1], r2 * b.offset[2]));
     }
     Float4 covarianceB[6];
     squared(c0, c1, c2, covarianceB);
@@ -162,29 +197,23 @@ HWY_INLINE SurfacePair surfacePairOf(const PairPose& pose, SideA sideA, SideB si
         out.offsetA[i] = spread(a.offset[i]);
         d[i] = apart[i] + repeated(offset[i]) - out.offsetA[i];
     }
-    const Float16 axx = s[3] * s[5] - s[4] * s[4];
-    const Float16 axy = s[2] * s[4] - s[1] * s[5];
-    const Float16 axz = s[1] * s[4] - s[2] * s[3];
-    const Float16 ayy = s[0] * s[5] - s[2] * s[2];
-    const Float16 ayz = s[1] * s[2] - s[0] * s[4];
-    const Float16 azz = s[0] * s[3] - s[1] * s[1];
-    out.determinant = max(s[0] * axx + s[1] * axy + s[2] * axz, wide(1e-36F));
-    out.toward[0] = axx * d[0] + axy * d[1] + axz * d[2];
-    out.toward[1] = axy * d[0] + ayy * d[1] + ayz * d[2];
-    out.toward[2] = axz * d[0] + ayz * d[1] + azz * d[2];
-    out.product = d[0] * out.toward[0] + d[1] * out.toward[1] + d[2] * out.toward[2];
-    out.octaves = wide(1.0F / 256) * (spread(a.octaves) + repeated(b.octaves)) + wide(pose.areaOctaves);
+    const Float16 axx = fusedAway(s[4], s[4], s[3] * s[5]);
+    const Float16 axy = fusedAway(s[1], s[5], s[2] * s[4]);
+    const Float16 axz = fusedAway(s[2], s[3], s[1] * s[4]);
+    const Float16 ayy = fusedAway(s[2], s[2], s[0] * s[5]);
+    const Float16 ayz = fusedAway(s[0], s[4], s[1] * s[2]);
+    const Float16 azz = fusedAway(s[1], s[1], s[0] * s[3]);
+    out.determinant = max(fused(s[0], axx, fused(s[1], axy, s[2] * axz)), wide(1e-36F));
+    out.toward[0] = fused(axx, d[0], fused(axy, d[1], axz * d[2]));
+    out.toward[1] = fused(axy, d[0], fused(ayy, d[1], ayz * d[2]));
+    out.toward[2] = fused(axz, d[0], fused(ayz, d[1], azz * d[2]));
+    out.product = fused(d[0], out.toward[0], fused(d[1], out.toward[1], d[2] * out.toward[2]));
+    out.octaves = spread(a.octaves) + repeated(b.octaves);
     return out;
 }
 
-/// D^2 and L.
-struct Closeness {
-    Float16 squaredDistance;
-    Float16 length;
-};
-HWY_INLINE Closeness closenessOf(const PairPose& pose, const SurfacePair& pair) {
-    return {wide(pose.perLength * pose.perLength) * (pair.product / pair.determinant),
-            pair.octaves - wide(2.0F / 3) * roughLog2(pair.determinant)};
+HWY_INLINE Closeness closenessOf(const SurfacePair& pair) {
+    return {pair.product / pair.determinant, pair.determinant, pair.octaves};
 }
 
 }  // namespace grapeshot::detail::HWY_NAMESPACE

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -37,25 +38,36 @@ TEST(Calibration, RowsAndKnotsAreWhereTheyShouldBe) {
     Calibration calibration;
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
         for (std::size_t knot = 0; knot < Calibration::knots; ++knot) {
-            calibration.bySteps[row][knot] = 0.1F * static_cast<float>(row) + 0.005F * static_cast<float>(knot);
+            calibration.bySteps[row][knot] = 0.05F * static_cast<float>(row) + 0.005F * static_cast<float>(knot);
         }
     }
-    const std::uint64_t steps[] = {1, 2, 4, 8, 16, 32, 64, 65};
+    // The first and the last of each row.
+    constexpr std::uint64_t steps[][2] = {{1, 1},   {2, 2},   {3, 3},   {4, 4},   {5, 6},   {7, 8},      {9, 12},
+                                          {13, 16}, {17, 24}, {25, 32}, {33, 48}, {49, 64}, {65, 100'000}};
+    static_assert(std::size(steps) == Calibration::stepRows);
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
-        EXPECT_NEAR(probabilityAfter(calibration, 1, steps[row]), 0.1 * static_cast<double>(row) + 0.1, 1e-6);
+        for (const std::uint64_t step : steps[row]) {
+            EXPECT_EQ(Calibration::rowOf(step), row);
+            EXPECT_NEAR(probabilityAfter(calibration, 1, step), 0.05 * static_cast<double>(row) + 0.1, 1e-6);
+        }
     }
-    EXPECT_NEAR(probabilityAfter(calibration, 1, 3), 0.3, 1e-6);
-    EXPECT_NEAR(probabilityAfter(calibration, std::exp2(0.25F), 1), 0.1025, 1e-6);  // half-way to the next knot
+    EXPECT_NEAR(probabilityAfter(calibration, 1.5F, 1), 0.105, 1e-6);    // the next knot
+    EXPECT_NEAR(probabilityAfter(calibration, 1.25F, 1), 0.1025, 1e-6);  // half-way to it
     EXPECT_NEAR(probabilityAfter(calibration, 1e30F, 1), 0.2, 1e-6);
     EXPECT_NEAR(probabilityAfter(calibration, 0, 1), 0, 1e-6);
+    for (std::size_t knot = 0; knot < Calibration::knots; ++knot) {
+        EXPECT_NEAR(probabilityAfter(calibration, knotRate(knot), 1), 0.005 * static_cast<double>(knot), 1e-6);
+    }
+    EXPECT_EQ(knotRate(0), std::exp2(-10.0F));
+    EXPECT_EQ(knotRate(Calibration::knots - 1), std::exp2(10.0F));
 }
 
 TEST(Calibration, RatesAndProbabilitiesAreInverse) {
     const Calibration& calibration = defaultCalibration();
     int reached = 0;
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
-        const std::uint64_t steps = std::uint64_t{1} << row;
-        EXPECT_EQ(Calibration::rowOf(steps), row);
+        constexpr std::uint64_t stepsOf[Calibration::stepRows] = {1, 2, 3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65};
+        const std::uint64_t steps = stepsOf[row];
         const auto at = [&](double rate) { return probabilityAfter(calibration, static_cast<float>(rate), steps); };
         for (const float p : {0.0001F, 0.001F, 0.02F, 0.3F, 0.5F, 0.77F, 0.95F, 0.999F, 0.9999F}) {
             const double least = leastRateAt(calibration.bySteps[row], p);
@@ -63,12 +75,12 @@ TEST(Calibration, RatesAndProbabilitiesAreInverse) {
                 ++reached;
                 EXPECT_GE(at(least * 1.0001), p);
                 EXPECT_LT(at(least * 0.9999), p + 1e-6F);
-                EXPECT_LT(at(least * 0.7), p);
+                EXPECT_LT(at(least * 0.66), p);
             }
             const double most = mostRateAt(calibration.bySteps[row], p);
             if (std::isfinite(most) && most > 0) {
                 EXPECT_LE(at(most * 0.9999), p);
-                EXPECT_GT(at(most * 1.42), p);
+                EXPECT_GT(at(most * 1.51), p);
                 EXPECT_LE(least, most * 1.0001);
             }
         }
@@ -82,6 +94,25 @@ TEST(Calibration, RatesAndProbabilitiesAreInverse) {
     EXPECT_EQ(mostRateAt(flat, 0.5F), -1);
 }
 
+TEST(Calibration, WholesGoByTheFourthPowerOfTheDistance) {
+    Calibration calibration;
+    for (std::size_t knot = 0; knot < Calibration::knots; ++knot) {
+        calibration.whole[knot] = 0.02F * static_cast<float>(knot);
+    }
+    EXPECT_NEAR(probabilityOfWholes(calibration, 1), 0.4, 1e-6);
+    EXPECT_NEAR(probabilityOfWholes(calibration, 2), 0.32, 1e-6);  // D^2 = 2, D^4 = 4: four knots down
+    EXPECT_NEAR(probabilityOfWholes(calibration, 0.5F), 0.48, 1e-6);
+    EXPECT_NEAR(probabilityOfWholes(calibration, 1e30F), 0, 1e-6);
+    EXPECT_NEAR(probabilityOfWholes(calibration, 0), 0.8, 1e-6);
+    float before = 1;
+    for (double octaves = -8; octaves <= 8; octaves += 0.1) {
+        const float p = probabilityOfWholes(defaultCalibration(), static_cast<float>(std::exp2(octaves)));
+        EXPECT_LE(p, before);
+        before = p;
+    }
+    EXPECT_LT(before, 0.002F);
+}
+
 TEST(Calibration, TextComesBackToTheLastBit) {
     const Calibration& first = defaultCalibration();
     const std::string text = toText(first);
@@ -90,6 +121,7 @@ TEST(Calibration, TextComesBackToTheLastBit) {
     EXPECT_EQ(second.formula.constant, first.formula.constant);
     EXPECT_EQ(second.formula.distance, first.formula.distance);
     EXPECT_EQ(second.formula.length, first.formula.length);
+    EXPECT_EQ(second.whole, first.whole);
     EXPECT_EQ(second.bySteps, first.bySteps);
     EXPECT_EQ(second.afterwards, first.afterwards);
     EXPECT_EQ(toText(second), text);
@@ -115,7 +147,7 @@ TEST(Calibration, NamesWhatIsWrongWithAText) {
     const std::string good = toText(defaultCalibration());
     expectRefusal("", "the text ends here");
     expectRefusal("something else\n", "'something else' where 'grapeshot calibration' should be");
-    expectRefusal(replaced(good, "calibration 1", "calibration 2"), "version '2', not 1");
+    expectRefusal(replaced(good, "calibration 2", "calibration 3"), "version '3', not 2");
     expectRefusal(replaced(good, "formula ", "formula 7 "), "4 numbers where 3 should be");
     expectRefusal(replaced(good, "steps ", "steps nan "), "is no number");
     expectRefusal(replaced(good, "steps ", "steps 1.5 "), "42 numbers where 41 should be");

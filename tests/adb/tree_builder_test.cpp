@@ -221,6 +221,9 @@ TEST(Findings, SayWhatIsWrong) {
     EXPECT_TRUE(isFound([](Tree& tree) { tree.nodes[1].child[0] = 0; }));
     EXPECT_TRUE(isFound([](Tree& tree) { tree.nodes[1].child[0] = leafBit | 1000000U; }));
     EXPECT_TRUE(isFound([](Tree& tree) { tree.radius *= 0.5F; }));
+    EXPECT_TRUE(isFound([](Tree& tree) { tree.whole.mean[1] += 1e-3F; }));
+    EXPECT_TRUE(isFound([](Tree& tree) { tree.whole.covariance[0][2] += 1e-3F; }));
+    EXPECT_TRUE(isFound([](Tree& tree) { tree.whole.unit *= 2; }));
     EXPECT_TRUE(isFound([](Tree& tree) { tree.nodes.clear(); }));
 }
 

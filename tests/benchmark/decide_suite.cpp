@@ -12,6 +12,7 @@
 #include "gates.hpp"
 #include "limits_scan.hpp"
 #include "meshes.hpp"
+#include "nested_shells.hpp"
 #include "pose_sets.hpp"
 #include "stopped.hpp"
 #include "truncated.hpp"
@@ -21,7 +22,8 @@ namespace grapeshot::bench {
 namespace {
 
 struct Sizes {
-    int zachmann, slowPeers, grazing, repetitions;  ///< poses of each kind per mesh
+    int zachmann, slowPeers, grazing, nested;  ///< poses of each kind per mesh
+    int repetitions;
 };
 
 struct Totals {
@@ -104,6 +106,31 @@ void runMesh(const NamedMesh& named, const Options& options, const Sizes& sizes,
     add("grazing", grazing, grazingTruth, {methods[0], fcl, methods[2]});
 }
 
+/// A mesh of more triangles takes an exact answer too long.
+constexpr std::size_t mostNested = 100'000;
+
+void runNested(const std::vector<NamedMesh>& meshes, const Options& options, const Sizes& sizes,
+               report::Report& results) {
+    double wrong = 0;
+    double poses = 0;
+    for (const NamedMesh& mesh : meshes) {
+        if (mesh.mesh.triangles.size() > mostNested) {
+            continue;
+        }
+        const std::vector<report::Row> rows =
+            nestedRows(mesh.name, build(mesh.mesh.view()), sizes.nested, std::min(sizes.repetitions, 2), options.seed);
+        results.rows.insert(results.rows.end(), rows.begin(), rows.end());
+        for (const report::Row& row : rows) {
+            if (row.method == "hybrid") {
+                wrong += row.falseNegatives + row.falsePositives;
+                poses += static_cast<double>(row.n);
+            }
+        }
+    }
+    results.claims.push_back({"hybrid, nested shells: wrong answers, %", 100 * wrong / std::max(poses, 1.0), false,
+                              mostNestedErrorPercent});
+}
+
 double falseNegativesOf(const std::vector<report::Row>& rows, const std::string& beginning) {
     double sum = 0;
     for (const report::Row& row : rows) {
@@ -137,19 +164,29 @@ report::Report runDecideSuite(const Options& options) {
     const Sizes sizes{.zachmann = options.poses.value_or(quick ? 1'200 : 12'000),
                       .slowPeers = quick ? 24 : 300,
                       .grazing = quick ? 120 : 1'200,
+                      .nested = quick ? 12 : 40,
                       .repetitions = options.repetitions.value_or(quick ? 1 : 5)};
     report::Report results{.suite = "decide", .seed = options.seed, .quick = quick, .rows = {}, .claims = {}};
-    if (std::ranges::find(options.scenarios, "limits") != options.scenarios.end()) {
+    const auto wanted = [&](const char* scenario) {
+        return std::ranges::find(options.scenarios, scenario) != options.scenarios.end();
+    };
+    if (wanted("limits")) {
         results.rows = scanLimits(options);
+        return results;
+    }
+    const std::vector<NamedMesh> meshes = reportedMeshes(options.meshes, quick);
+    if (wanted("nested")) {
+        runNested(meshes, options, sizes, results);
         return results;
     }
     const StoppedPrior prior(fitMeshes(quick), quick ? 240 : 2'400, options.seed + 1);
     Totals zachmann;
     Totals grazing;
-    for (const NamedMesh& mesh : reportedMeshes(options.meshes, quick)) {
+    for (const NamedMesh& mesh : meshes) {
         std::cerr << mesh.name << " ...\n";
         runMesh(mesh, options, sizes, prior, zachmann, grazing, results);
     }
+    runNested(meshes, options, sizes, results);
     const std::vector<Overall> overZachmann = overall(results.rows, "zachmann");
     const std::vector<Overall> overGrazing = overall(results.rows, "grazing");
     for (const Overall& one : overZachmann) {

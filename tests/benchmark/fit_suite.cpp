@@ -1,7 +1,6 @@
 #include "fit_suite.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -40,9 +39,7 @@ void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random&
         if (end != detail::EstimateEnd::budget || walk.cut().count == 0) {
             continue;
         }
-        const float* const likeliest = std::max_element(walk.cut().rates, walk.cut().rates + 16 * walk.cut().blocks);
-        const auto place = static_cast<std::size_t>(likeliest - walk.cut().rates);
-        const detail::SidePair pair = detail::sidePair(walk.cut().sidesA[place], walk.cut().sidesB[place]);
+        const detail::SidePair pair = steps == 0 ? detail::sidePair(0, 0) : walk.likeliest();
         if (detail::bothLeaves(pair)) {
             continue;
         }
@@ -97,8 +94,7 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
             if (walk.estimate(formula) != detail::EstimateEnd::budget || walk.cut().rate <= 0) {
                 break;  // certain
             }
-            const auto row = static_cast<std::size_t>(std::bit_width(step - 1));
-            tables.bySteps[std::min(row, Calibration::stepRows - 1)].emplace_back(walk.cut().rate, collides);
+            tables.bySteps[Calibration::rowOf(step)].emplace_back(walk.cut().rate, collides);
             if (step == estimateSteps) {
                 std::uint64_t exactSteps = 0;
                 if (walk.overlapsBelowCut(exactSteps) != collides) {

@@ -18,8 +18,6 @@ namespace grapeshot::bench {
 namespace {
 
 constexpr std::size_t mostSteps = 96;
-/// Other meshes than those for fitting may err more often: so much of what a gate allows is used up.
-constexpr double share = 0.6;
 
 /// What an estimate without limits goes through on one pose.
 struct Course {
@@ -113,10 +111,10 @@ std::vector<report::Row> scanLimits(const Options& options) {
         best.work = INFINITY;
         float acceptAt = 1;
         float rejectAt = 0;
-        for (double accept = 0.5; accept <= 16; accept += 0.5) {
-            for (double reject = 0.5; reject <= 16; reject += 0.5) {
+        for (double accept = 0.5; accept <= 14; accept += 0.25) {
+            for (double reject = 0.5; reject <= 14; reject += 0.25) {
                 const Cost cost = costOf(meshes, probabilityOf(accept), probabilityOf(-reject), hybrid);
-                if (cost.errorPercent <= share * gate.errorPercent && cost.work < best.work) {
+                if (cost.errorPercent <= gate.errorPercent && cost.work < best.work) {
                     best = cost;
                     acceptAt = probabilityOf(accept);
                     rejectAt = probabilityOf(-reject);

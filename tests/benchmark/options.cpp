@@ -114,7 +114,8 @@ std::string usage() {
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit and scene)
   --scenario NAME...    only these scenarios (scene; workloads: work, unlike, coherent, hot); limits: which limits of
-                        the probability are best on the meshes for fitting (decide)
+                        the probability are best on the meshes for fitting; nested: only shells inside each other
+                        (decide)
   --quick               a small sample: answers are checked, times are printed but not claimed
   --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)

@@ -20,8 +20,13 @@ PairWalk::PairWalk(const Tree& a, const Tree& b)
 bool PairWalk::start(const Pose& bInA) {
     m_descent.pose = bInA;
     m_descent.depth = 0;
-    detail::startCut(m_cut);
-    return detail::prepare(bInA, m_a->radius, m_b->radius, 0, m_descent.prepared) == detail::PoseVerdict::usable;
+    if (detail::prepare(bInA, m_a->radius, m_b->radius, 0, m_descent.prepared) != detail::PoseVerdict::usable) {
+        return false;
+    }
+    const detail::WholePair whole = detail::wholePair(m_a->whole, m_b->whole, m_descent.prepared);
+    m_squaredDistance = whole.squaredDistance;
+    detail::startCut(m_cut, whole.octaves);
+    return true;
 }
 
 detail::EstimateEnd PairWalk::estimate(const RateFormula& formula) {
@@ -29,8 +34,10 @@ detail::EstimateEnd PairWalk::estimate(const RateFormula& formula) {
                               1);
 }
 
-float PairWalk::squaredDistanceOfWholes() const {
-    return detail::squaredDistanceOfWholes(m_a->whole, m_b->whole, m_descent.prepared);
+detail::SidePair PairWalk::likeliest() const {
+    const float* const largest = std::max_element(m_cut.rates, m_cut.rates + 16 * m_cut.blocks);
+    const auto place = static_cast<std::size_t>(largest - m_cut.rates);
+    return detail::sidePair(m_cut.sidesA[place], m_cut.sidesB[place]);
 }
 
 int PairWalk::children(detail::SidePair pair, detail::ChildPair (&out)[16]) const {

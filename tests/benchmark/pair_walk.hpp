@@ -22,8 +22,10 @@ class PairWalk {
     /// One more step of the estimate from the root on.
     detail::EstimateEnd estimate(const RateFormula& formula);
     [[nodiscard]] const detail::Cut& cut() const { return m_cut; }
+    /// The entry of the cut with the largest rate, after one step or more.
+    [[nodiscard]] detail::SidePair likeliest() const;
     /// D^2 of the two whole surfaces in the last pose.
-    [[nodiscard]] float squaredDistanceOfWholes() const;
+    [[nodiscard]] float squaredDistanceOfWholes() const { return m_squaredDistance; }
     /// What a pair of the last pose consists of.
     int children(detail::SidePair pair, detail::ChildPair (&out)[16]) const;
     /// Do any triangles below two sides intersect, in the last pose? Exact.
@@ -39,6 +41,7 @@ class PairWalk {
     detail::Cut m_cut;
     std::vector<detail::Side> m_cutA, m_cutB;
     alignas(64) float m_rates[detail::cutCapacity] = {};
+    float m_squaredDistance = 0;
     const Tree* m_a;
     const Tree* m_b;
 };
