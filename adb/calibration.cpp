@@ -32,7 +32,7 @@ float interpolated(const Calibration::Row& row, float rate) noexcept {
     const float inside = std::clamp(placeOf(rate), 0.0F, static_cast<float>(Calibration::knots - 1));
     const auto before = std::min(static_cast<std::size_t>(inside), Calibration::knots - 2);
     const float share = inside - static_cast<float>(before);
-    return (1 - share) * row[before] + share * row[before + 1];
+    return row[before] + share * (row[before + 1] - row[before]);  // equal knots: exactly theirs
 }
 
 float rateAt(double place) noexcept {

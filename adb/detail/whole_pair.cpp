@@ -72,7 +72,7 @@ WholePair wholePair(const WholeSurface& a, const WholeSurface& b, const PairPose
         return {std::numeric_limits<float>::quiet_NaN(), 0};
     }
     const float length = a.mean[3] + b.mean[3] - 4 * roughLog2(unit) - 2.0F / 3 * roughLog2(determinant);
-    return {product / determinant, std::clamp(0.75F * (length - 9), -8.0F, 8.0F)};
+    return {product / determinant, std::clamp(0.5F * (length - 9), -8.0F, 8.0F)};
 }
 
 }  // namespace grapeshot::detail

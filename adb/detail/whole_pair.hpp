@@ -9,7 +9,7 @@ namespace grapeshot::detail {
 /// Of two whole surfaces.
 struct WholePair {
     float squaredDistance;  ///< D^2 (see surface_pair.hpp). NaN where single precision cannot tell: both are that thin
-    /// By how many octaves the rates of all pairs below are raised: 0.75 (L - 9), within +-8. Bodies with little surface
+    /// By how many octaves the rates of all pairs below are raised: 0.5 (L - 9), within +-8. Bodies with little surface
     /// for their size meet less often than the rates of their parts say; by leave-one-mesh-out on the meshes for
     /// fitting, the tables lose 5 to 6 % less with it.
     float octaves;
