@@ -276,8 +276,7 @@ Decision Query::State::goOn(const Budget& budget) {
                                                ignoreLimits ? detail::noLimits
                                                : inside     ? limits.onlyNo
                                                             : limits.rates,
-                                               mostSteps,
-                                               units - (descent.work - first))) {
+                                               mostSteps, units - (descent.work - first))) {
                         case EstimateEnd::exhausted:
                             return true;
                         case EstimateEnd::found:
@@ -319,12 +318,9 @@ Decision Query::State::goOn(const Budget& budget) {
     // Not quite one: that is for what is proven.
     const float probability = std::clamp(collisionProbability(), 1e-6F, 1 - 1e-6F);
     const bool collides = probability >= 0.5F;
-    return {collides,
-            collides ? probability : 1 - probability,
-            false,
-            sure ? StopReason::probability : StopReason::budget,
-            descent.work,
-            TrianglePair()};
+    return {collides,     collides ? probability : 1 - probability,
+            false,        sure ? StopReason::probability : StopReason::budget,
+            descent.work, TrianglePair()};
 }
 
 bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode) noexcept {

@@ -1,5 +1,5 @@
-// a b + c rounded once, for sixteen floats and for four: the same bytes on every instruction set. For the estimate alone;
-// what decides exactly rounds products and sums apart, which its slack is made for.
+// a b + c rounded once, for sixteen floats and for four: the same bytes on every instruction set. For the estimate
+// alone; what decides exactly rounds products and sums apart, which its slack is made for.
 //
 // This work is based on:
 // Sylvie Boldo, Guillaume Melquiond. Emulation of a FMA and Correctly Rounded Sums: Proved Algorithms Using Rounding to

@@ -146,10 +146,9 @@ HWY_INLINE RateTerms rateTerms(const RateFormula& formula, const PairPose& pose,
 }
 /// As rough as roughLog2 and roughExp2. Within 2^+-120; NaN counts as 2^-120.
 HWY_INLINE Float16 ratesOf(const RateTerms& terms, const Closeness& closeness) {
-    const Float16 bits =
-        fused(wide(terms.quotient), closeness.quotient,
-              fused(wide(terms.determinant), bitsAsNumber(closeness.determinant),
-                    fused(wide(terms.octaves), closeness.octaves, wide(terms.start))));
+    const Float16 bits = fused(wide(terms.quotient), closeness.quotient,
+                               fused(wide(terms.determinant), bitsAsNumber(closeness.determinant),
+                                     fused(wide(terms.octaves), closeness.octaves, wide(terms.start))));
     return numberAsBits(min(max(bits, wide(0x1p23F * 7)), wide(0x1p23F * 247)));
 }
 

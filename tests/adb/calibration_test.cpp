@@ -42,7 +42,7 @@ TEST(Calibration, RowsAndKnotsAreWhereTheyShouldBe) {
         }
     }
     // The first and the last of each row.
-    constexpr std::uint64_t steps[][2] = {{1, 1},   {2, 2},   {3, 3},   {4, 4},   {5, 6},   {7, 8},      {9, 12},
+    constexpr std::uint64_t steps[][2] = {{1, 1},   {2, 2},   {3, 3},   {4, 4},   {5, 6},   {7, 8},       {9, 12},
                                           {13, 16}, {17, 24}, {25, 32}, {33, 48}, {49, 64}, {65, 100'000}};
     static_assert(std::size(steps) == Calibration::stepRows);
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {

@@ -173,7 +173,8 @@ TEST(Wholes, NestedShellsAreNotEstimated) {
             SCOPED_TRACE(gap);
             const Shells shells = shellsOf(mesh, gap, random);
             clear += shells.clear;
-            EXPECT_EQ(shells.wrong, 0);
+            // 5 % is more than some walls are thick: the copy may be past the wall then, and no shell any more.
+            EXPECT_LE(shells.wrong, gap < 0.02F ? 0 : static_cast<int>(sampleSize(12, 60)) / 4);
         }
     }
     EXPECT_GT(clear, static_cast<int>(sampleSize(12, 60)) * 3);

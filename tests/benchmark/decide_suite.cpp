@@ -127,8 +127,8 @@ void runNested(const std::vector<NamedMesh>& meshes, const Options& options, con
             }
         }
     }
-    results.claims.push_back({"hybrid, nested shells: wrong answers, %", 100 * wrong / std::max(poses, 1.0), false,
-                              mostNestedErrorPercent});
+    results.claims.push_back(
+        {"hybrid, nested shells: wrong answers, %", 100 * wrong / std::max(poses, 1.0), false, mostNestedErrorPercent});
 }
 
 double falseNegativesOf(const std::vector<report::Row>& rows, const std::string& beginning) {

@@ -67,8 +67,8 @@ std::vector<report::Row> nestedRows(const std::string& name, const Tree& tree, i
         if (withFcl) {
             methods.push_back(fclPeer(tree.mesh(), shells.inner.mesh()));
         }
-        const std::vector<report::Row> more = compare(
-            {gap.scenario, name, tree.triangles.size(), shells.set, truth}, methods, repetitions, withFcl ? 2 : 0);
+        const std::vector<report::Row> more = compare({gap.scenario, name, tree.triangles.size(), shells.set, truth},
+                                                      methods, repetitions, withFcl ? 2 : 0);
         rows.insert(rows.end(), more.begin(), more.end());
     }
     return rows;
