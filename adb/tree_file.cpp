@@ -6,6 +6,7 @@
 #include <bit>
 #include <cerrno>
 #include <cstddef>
+#include <cstring>
 #include <cstdint>
 #include <fstream>
 #include <memory>
@@ -24,7 +25,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> magic{'G', 'S', 'T', 'R', 'E', 'E', '\r', '\n'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 
 struct Hash {
     std::uint64_t low, high;
@@ -40,11 +41,13 @@ struct Header {
     std::uint64_t nodes = 0, leaves = 0, vertices = 0, triangles = 0;
     ContentKey mesh;
     std::int32_t maxLeafTriangles = 0, bins = 0;
-    std::array<float, 8> bounds{};  ///< lower, upper, radius, nothing
+    std::array<float, 8> bounds{};  ///< lower, upper, radius, WholeSurface::unit
+    std::array<float, 4> wholeMean{};
+    std::array<float, 12> wholeCovariance{};
     Hash arrays{};
     Hash own{};  ///< of all before it
 };
-static_assert(sizeof(Header) == 152 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == 216 && std::is_trivially_copyable_v<Header>);
 
 Hash hashOf(XXH128_hash_t hash) {
     return {hash.low64, hash.high64};
@@ -185,6 +188,9 @@ void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesy
         header.bounds[static_cast<std::size_t>(axis) + 3] = tree.upper[axis];
     }
     header.bounds[6] = tree.radius;
+    header.bounds[7] = tree.whole.unit;
+    std::memcpy(header.wholeMean.data(), tree.whole.mean, sizeof(tree.whole.mean));
+    std::memcpy(header.wholeCovariance.data(), tree.whole.covariance, sizeof(tree.whole.covariance));
     header.arrays = arraysHash(tree);
     header.own = ownHash(header);
     Draft draft(file);
@@ -252,6 +258,9 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
         tree.upper[axis] = header.bounds[static_cast<std::size_t>(axis) + 3];
     }
     tree.radius = header.bounds[6];
+    tree.whole.unit = header.bounds[7];
+    std::memcpy(tree.whole.mean, header.wholeMean.data(), sizeof(tree.whole.mean));
+    std::memcpy(tree.whole.covariance, header.wholeCovariance.data(), sizeof(tree.whole.covariance));
     requireSound(tree, file);
     return tree;
 }

@@ -102,9 +102,7 @@ HWY_INLINE void expand(const Descent& descent, const WidePose& pose, SidePair pa
                    crossings = crossingsOf(*pose.pose, childrenA, childrenB, apart);
                }) &
            mask;
-    const Float16 rates =
-        roughExp2(wide(formula.constant) + wide(formula.distance) * crossings.closeness.squaredDistance +
-                  wide(formula.length) * crossings.closeness.length);
+    const Float16 rates = ratesOf(rateTerms(formula, *pose.pose, 0), crossings.closeness);
     append(cut, sidesOf(descent.nodesA, a), sidesOf(descent.nodesB, b), crossings, rates, mask);
 }
 

@@ -42,8 +42,7 @@ HWY_INLINE Crossings crossingsOf(const PairPose& pose, SideA sideA, SideB sideB,
     Crossings out;
     const Float16 perDeterminant = wide(1) / pair.determinant;
     const Float16 determinantOctaves = roughLog2(pair.determinant);
-    out.closeness.squaredDistance = wide(pose.perLength * pose.perLength) * (pair.product * perDeterminant);
-    out.closeness.length = pair.octaves - wide(2.0F / 3) * determinantOctaves;
+    out.closeness = {pair.product * perDeterminant, pair.determinant, pair.octaves};
 
     const Float16 h[3] = {pair.toward[0] * perDeterminant, pair.toward[1] * perDeterminant,
                           pair.toward[2] * perDeterminant};
@@ -77,8 +76,9 @@ HWY_INLINE Crossings crossingsOf(const PairPose& pose, SideA sideA, SideB sideB,
     const Float16 sine = sqrt(max(out.flatness * out.flatness - out.cosine * out.cosine, wide(0))) +
                          wide(0.785398F) * (wide(1) - out.flatness);
     // log2 of (2 pi)^(3/2) is 3.97722; half of log2 of e is 0.7213475.
-    const Float16 octaves = pair.octaves - wide(0.5F) * determinantOctaves -
-                            wide(0.7213475F) * out.closeness.squaredDistance - wide(3.97722F);
+    const Float16 octaves = wide(1.0F / 256) * pair.octaves + wide(pose.areaOctaves) -
+                            wide(0.5F) * determinantOctaves -
+                            wide(0.7213475F) * squaredDistanceOf(pose, out.closeness) - wide(3.97722F);
     out.length = wide(perPerLength) * (sine * roughExp2(octaves));
     return out;
 }

@@ -24,7 +24,7 @@ HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Sid
         descent, a, b, [&](const auto& childrenA, const auto& childrenB) HWY_ATTR __attribute__((always_inline)) {
             Float16 apart[3];
             out.mask = touching(*pose.pose, marginsOf(pose, childrenA, childrenB, apart));
-            out.closeness = closenessOf(*pose.pose, surfacePairOf(*pose.pose, childrenA, childrenB, apart));
+            out.closeness = closenessOf(surfacePairOf(*pose.pose, childrenA, childrenB, apart));
         });
     out.mask &= meant;
     return out;
