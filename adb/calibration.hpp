@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -25,18 +24,16 @@ struct RateFormula {
 /// A formula and a table, fitted together. A value; immutable once it is in use.
 struct Calibration {
     static constexpr int version = 2;            ///< of the text form
-    static constexpr std::size_t stepRows = 13;  ///< steps 1, 2, 3, 4, 5-6, 7-8, 9-12, 13-16, ..., 49-64, more
+    static constexpr std::size_t stepRows = 8;   ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
     static constexpr std::size_t afterRows = 8;  ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
     static constexpr std::size_t knots = 41;     ///< rates 2^-10, 1.5 2^-10, 2^-9, ..., 2^10
     /// The row of so many steps, 1 or more.
     [[nodiscard]] static constexpr std::size_t rowOf(std::uint64_t steps) noexcept {
-        if (steps <= 4) {
-            return static_cast<std::size_t>(steps) - 1;
+        std::size_t row = 0;
+        while (row + 1 < stepRows && steps > (std::uint64_t{1} << row)) {
+            ++row;
         }
-        const std::uint64_t last = steps - 1;
-        const auto octave = static_cast<std::size_t>(std::bit_width(last));  // 3 or more; two rows each
-        const auto row = 2 * octave - 2 + static_cast<std::size_t>(last >> (octave - 2) & 1U);
-        return row < stepRows ? row : stepRows - 1;
+        return row;
     }
     using Row = std::array<float, knots>;  ///< probabilities that the meshes collide, not falling
 

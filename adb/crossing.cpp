@@ -9,7 +9,6 @@
 #include <grapeshot/adb/detail/crossing_cut.hpp>
 #include <grapeshot/adb/detail/spending.hpp>
 #include <grapeshot/adb/detail/stack_storage.hpp>
-#include <grapeshot/adb/detail/whole_pair.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
 #include <grapeshot/core/detail/triangle_cut.hpp>
 
@@ -119,8 +118,7 @@ void CrossingQuery::State::start(const Pose& bInA, const CrossingSettings& wante
     finished = verdict == detail::PoseVerdict::apart || a->nodes.empty() || b->nodes.empty();
     descent.pose = bInA;
     detail::setTrees(descent, *a, *b);
-    const bool near = verdict == detail::PoseVerdict::usable;
-    detail::startCrossing(cut, near ? detail::wholePair(a->whole, b->whole, descent.prepared).octaves : 0);
+    detail::startCrossing(cut);
     if (toTheEnd) {
         cut.count = 0;
         detail::push(descent, detail::sidePair(0, 0));

@@ -37,6 +37,8 @@ void Query::State::Limits::workOut() {
     rates = detail::noLimits;
     wholeYes = 0;
     wholeNo = std::numeric_limits<float>::infinity();
+    wholeDoubtFrom = wholeNo;
+    wholeDoubtTo = 0;
     if (acceptAt < 1) {
         wholeYes = squaredDistanceAt(leastRateAt(calibration->whole, acceptAt));
         for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
@@ -53,6 +55,11 @@ void Query::State::Limits::workOut() {
     if (acceptAt < 1 && rejectAt > 0) {
         const float from = withOdds(rejectAt, doubtOdds);
         const float to = withOdds(acceptAt, 1 / doubtOdds);
+        if (from < to) {
+            const float nearest = mostRateAt(calibration->whole, to);
+            wholeDoubtFrom = nearest > 0 ? squaredDistanceAt(nearest) : wholeDoubtFrom;
+            wholeDoubtTo = squaredDistanceAt(leastRateAt(calibration->whole, from));
+        }
         for (std::size_t row = 0; from < to && row < Calibration::stepRows; ++row) {
             rates.doubtFrom[row] = leastRateAt(calibration->bySteps[row], from);
             rates.doubtTo[row] = mostRateAt(calibration->bySteps[row], to);
@@ -215,19 +222,19 @@ DescentEnd Query::State::nextOverlap(std::uint64_t units) {
 /// At the two whole surfaces, before the first step and as a part of it. True if that is enough.
 bool Query::State::lookAtWholes() {
     looking = false;
-    const detail::WholePair whole = detail::wholePair(a->whole, b->whole, descent.prepared);
-    cut.octaves = whole.octaves;
     if (settings.acceptAt == 1 && settings.rejectAt == 0) {
         return false;
     }
-    if (whole.squaredDistance < detail::leastEstimated) {
-        inside = true;
-        return false;
-    }
-    if (whole.squaredDistance <= limits.wholeYes || whole.squaredDistance >= limits.wholeNo) {
+    const float squaredDistance = detail::squaredDistanceOfWholes(a->whole, b->whole, descent.prepared);
+    inside = squaredDistance < detail::leastEstimated;
+    if (!inside && (squaredDistance <= limits.wholeYes || squaredDistance >= limits.wholeNo)) {
         ++descent.work;
-        wholeDistance = whole.squaredDistance;
+        wholeDistance = squaredDistance;
         return true;
+    }
+    const bool inDoubt = squaredDistance > limits.wholeDoubtFrom && squaredDistance < limits.wholeDoubtTo;
+    if ((inside || inDoubt) && settings.estimateSteps != unlimited) {
+        handOver();
     }
     return false;
 }
@@ -264,9 +271,6 @@ Decision Query::State::goOn(const Budget& budget) {
                         end = DescentEnd::budget;
                         sure = true;
                         return true;
-                    }
-                    if (inside && settings.estimateSteps != unlimited) {
-                        handOver();
                     }
                 }
                 if (end == DescentEnd::exhausted && estimating) {
@@ -356,7 +360,7 @@ Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget 
     state.inside = false;
     state.wholeDistance = 0;
     state.ignoreLimits = false;
-    detail::startCut(state.cut, 0);
+    detail::startCut(state.cut);
     if (!state.estimating) {
         state.put(detail::sidePair(0, 0), 0);
     } else {

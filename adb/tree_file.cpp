@@ -6,8 +6,8 @@
 #include <bit>
 #include <cerrno>
 #include <cstddef>
-#include <cstring>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <system_error>

@@ -107,7 +107,7 @@ HWY_INLINE void expand(const Descent& descent, const WidePose& pose, SidePair pa
 
 CrossingEnd refineCrossing(Descent& descent, CrossingCut& cut, const RateFormula& formula, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
-    const RateTerms terms = rateTerms(formula, descent.prepared, cut.octaves);
+    const RateTerms terms = rateTerms(formula, descent.prepared);
     for (;;) {
         SidePair pair = 0;
         if (cut.count == crossingBlocks && compact(cut) > mostOfCrossing) {
@@ -181,8 +181,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-void startCrossing(CrossingCut& cut, float octaves) noexcept {
-    cut.octaves = octaves;
+void startCrossing(CrossingCut& cut) noexcept {
     for (float& urgency : cut.urgency[0]) {
         urgency = 0;
     }

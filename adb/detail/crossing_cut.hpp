@@ -33,7 +33,6 @@ struct CrossingCut {
     alignas(64) float urgency[crossingBlocks][16];  ///< length times extent, but never 0
     CrossingBlock block[crossingBlocks];
     std::size_t count;  ///< of blocks
-    float octaves;      ///< by which the rates are raised (see WholePair)
 };
 
 enum class CrossingEnd {
@@ -44,7 +43,7 @@ enum class CrossingEnd {
 };
 
 /// Only the root, to be taken up at no matter what it is worth.
-void startCrossing(CrossingCut& cut, float octaves) noexcept;
+void startCrossing(CrossingCut& cut) noexcept;
 
 /// Refines, spending at most `units`.
 CrossingEnd refineCrossing(Descent& descent, CrossingCut& cut, const RateFormula& formula,

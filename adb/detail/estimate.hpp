@@ -48,7 +48,6 @@ struct Cut {
     std::size_t count = 0;    ///< entries; before the first step one, the root, which is not in the blocks
     float rate = 0;           ///< sum of all rates
     std::uint32_t steps = 0;  ///< taken, of either kind
-    float octaves = 0;        ///< WholePair::octaves: all rates are 2^this times what the formula says
 };
 /// A cut with more entries is not searched any further: looking for the likeliest costs more than it brings.
 inline constexpr std::size_t mostOfCut = 224;
@@ -57,8 +56,7 @@ inline constexpr std::size_t mostBlocks = cutCapacity / 16;
 static_assert(mostOfCut <= 16 * (mostBlocks - 1) && mostBlocks % 4 == 0);
 
 /// The root alone.
-inline void startCut(Cut& cut, float octaves) noexcept {
-    cut.octaves = octaves;
+inline void startCut(Cut& cut) noexcept {
     cut.blocks = 0;
     cut.count = 1;
     cut.rate = 0;

@@ -94,7 +94,6 @@ void store(const SurfaceMoments& moments, const Node& node, int slot, NodeDistri
 
 void storeWhole(const SurfaceMoments& moments, double halfDiagonal, WholeSurface& out) {
     out = WholeSurface();
-    out.mean[3] = static_cast<float>(std::log2(std::clamp(moments.area, 1e-60, 1e60)));
     out.unit = static_cast<float>(std::exp2(std::round(std::log2(std::clamp(halfDiagonal, 1e-30, 1e30)))));
     const double unit = out.unit;
     const Eigen::Matrix3d covariance =

@@ -1,8 +1,6 @@
 #include <grapeshot/adb/detail/whole_pair.hpp>
 
 #include <algorithm>
-#include <bit>
-#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -28,17 +26,12 @@ float dot(Four a, Four b) {
     return products[0] + products[1] + products[2];
 }
 
-/// Of a positive, normal number; up to 0.086 too small.
-float roughLog2(float a) {
-    return static_cast<float>(std::bit_cast<std::int32_t>(a)) * 0x1p-23F - 127;
-}
-
 /// Less would be rounding: the determinant of a unit's cube is one.
 constexpr float leastDeterminant = 1e-24F;
 
 }  // namespace
 
-WholePair wholePair(const WholeSurface& a, const WholeSurface& b, const PairPose& pose) noexcept {
+float squaredDistanceOfWholes(const WholeSurface& a, const WholeSurface& b, const PairPose& pose) noexcept {
     const float unit = std::max(a.unit, b.unit);
     const float partA = a.unit / unit;  // powers of two
     const float partB = b.unit / unit;
@@ -68,11 +61,7 @@ WholePair wholePair(const WholeSurface& a, const WholeSurface& b, const PairPose
     const Four cofactor2 = cross(sum0, sum1);
     const float determinant = dot(sum0, cofactor0);
     const float product = dot(d, d[0] * cofactor0 + d[1] * cofactor1 + d[2] * cofactor2);
-    if (!(determinant > leastDeterminant)) {
-        return {std::numeric_limits<float>::quiet_NaN(), 0};
-    }
-    const float length = a.mean[3] + b.mean[3] - 4 * roughLog2(unit) - 2.0F / 3 * roughLog2(determinant);
-    return {product / determinant, std::clamp(0.5F * (length - 9), -8.0F, 8.0F)};
+    return determinant > leastDeterminant ? product / determinant : std::numeric_limits<float>::quiet_NaN();
 }
 
 }  // namespace grapeshot::detail

@@ -42,8 +42,7 @@ TEST(Calibration, RowsAndKnotsAreWhereTheyShouldBe) {
         }
     }
     // The first and the last of each row.
-    constexpr std::uint64_t steps[][2] = {{1, 1},   {2, 2},   {3, 3},   {4, 4},   {5, 6},   {7, 8},       {9, 12},
-                                          {13, 16}, {17, 24}, {25, 32}, {33, 48}, {49, 64}, {65, 100'000}};
+    constexpr std::uint64_t steps[][2] = {{1, 1}, {2, 2}, {3, 4}, {5, 8}, {9, 16}, {17, 32}, {33, 64}, {65, 100'000}};
     static_assert(std::size(steps) == Calibration::stepRows);
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
         for (const std::uint64_t step : steps[row]) {
@@ -66,7 +65,7 @@ TEST(Calibration, RatesAndProbabilitiesAreInverse) {
     const Calibration& calibration = defaultCalibration();
     int reached = 0;
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
-        constexpr std::uint64_t stepsOf[Calibration::stepRows] = {1, 2, 3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65};
+        constexpr std::uint64_t stepsOf[Calibration::stepRows] = {1, 2, 3, 5, 9, 17, 33, 65};
         const std::uint64_t steps = stepsOf[row];
         const auto at = [&](double rate) { return probabilityAfter(calibration, static_cast<float>(rate), steps); };
         for (const float p : {0.0001F, 0.001F, 0.02F, 0.3F, 0.5F, 0.77F, 0.95F, 0.999F, 0.9999F}) {

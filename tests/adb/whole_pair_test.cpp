@@ -43,7 +43,7 @@ void expectRight(const Tree& a, const Tree& b, Random& random) {
             continue;
         }
         const double truth = plainly(a, b, pose);
-        EXPECT_NEAR(detail::wholePair(a.whole, b.whole, prepared).squaredDistance, truth, 1e-4 + 1e-3 * truth);
+        EXPECT_NEAR(detail::squaredDistanceOfWholes(a.whole, b.whole, prepared), truth, 1e-4 + 1e-3 * truth);
     }
 }
 
@@ -76,10 +76,10 @@ TEST(Wholes, HaveNoUnit) {
             Pose pose = randomPose(tree, tree, random);
             detail::PairPose prepared;
             ASSERT_EQ(detail::prepare(pose, 10, 10, 0, prepared), detail::PoseVerdict::usable);
-            const float first = detail::wholePair(tree.whole, tree.whole, prepared).squaredDistance;
+            const float first = detail::squaredDistanceOfWholes(tree.whole, tree.whole, prepared);
             pose.translation *= scale;
             ASSERT_EQ(detail::prepare(pose, 10 * scale, 10 * scale, 0, prepared), detail::PoseVerdict::usable);
-            EXPECT_NEAR(detail::wholePair(scaled.whole, scaled.whole, prepared).squaredDistance, first, 1e-4F * first);
+            EXPECT_NEAR(detail::squaredDistanceOfWholes(scaled.whole, scaled.whole, prepared), first, 1e-4F * first);
         }
     }
 }
@@ -91,7 +91,7 @@ TEST(Wholes, SayNothingWherePrecisionEnds) {
     Tree nothing = point;
     nothing.whole = WholeSurface();  // of a mesh without extent
     ASSERT_EQ(detail::prepare(pose, 1, 1, 0, prepared), detail::PoseVerdict::usable);
-    EXPECT_TRUE(std::isnan(detail::wholePair(nothing.whole, nothing.whole, prepared).squaredDistance));
+    EXPECT_TRUE(std::isnan(detail::squaredDistanceOfWholes(nothing.whole, nothing.whole, prepared)));
 }
 
 TEST(Wholes, AFarBodyIsRejectedInOneUnit) {

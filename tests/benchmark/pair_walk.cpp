@@ -23,9 +23,8 @@ bool PairWalk::start(const Pose& bInA) {
     if (detail::prepare(bInA, m_a->radius, m_b->radius, 0, m_descent.prepared) != detail::PoseVerdict::usable) {
         return false;
     }
-    const detail::WholePair whole = detail::wholePair(m_a->whole, m_b->whole, m_descent.prepared);
-    m_squaredDistance = whole.squaredDistance;
-    detail::startCut(m_cut, whole.octaves);
+    m_squaredDistance = detail::squaredDistanceOfWholes(m_a->whole, m_b->whole, m_descent.prepared);
+    detail::startCut(m_cut);
     return true;
 }
 
