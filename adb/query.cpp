@@ -37,8 +37,6 @@ void Query::State::Limits::workOut() {
     rates = detail::noLimits;
     wholeYes = 0;
     wholeNo = std::numeric_limits<float>::infinity();
-    wholeDoubtFrom = wholeNo;
-    wholeDoubtTo = 0;
     if (acceptAt < 1) {
         wholeYes = squaredDistanceAt(leastRateAt(calibration->whole, acceptAt));
         for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
@@ -55,11 +53,6 @@ void Query::State::Limits::workOut() {
     if (acceptAt < 1 && rejectAt > 0) {
         const float from = withOdds(rejectAt, doubtOdds);
         const float to = withOdds(acceptAt, 1 / doubtOdds);
-        if (from < to) {
-            const float nearest = mostRateAt(calibration->whole, to);
-            wholeDoubtFrom = nearest > 0 ? squaredDistanceAt(nearest) : wholeDoubtFrom;
-            wholeDoubtTo = squaredDistanceAt(leastRateAt(calibration->whole, from));
-        }
         for (std::size_t row = 0; from < to && row < Calibration::stepRows; ++row) {
             rates.doubtFrom[row] = leastRateAt(calibration->bySteps[row], from);
             rates.doubtTo[row] = mostRateAt(calibration->bySteps[row], to);
@@ -232,8 +225,7 @@ bool Query::State::lookAtWholes() {
         wholeDistance = squaredDistance;
         return true;
     }
-    const bool inDoubt = squaredDistance > limits.wholeDoubtFrom && squaredDistance < limits.wholeDoubtTo;
-    if ((inside || inDoubt) && settings.estimateSteps != unlimited) {
+    if (inside && settings.estimateSteps != unlimited) {
         handOver();
     }
     return false;

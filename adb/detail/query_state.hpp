@@ -76,7 +76,6 @@ struct Query::State {
         float rejectAt = 0;
         float wholeYes = 0;                          ///< D^2 of the whole surfaces: yes up to here
         float wholeNo = 0;                           ///< no from here on
-        float wholeDoubtFrom = 0, wholeDoubtTo = 0;  ///< between them no few steps will tell
         detail::RateLimits rates = detail::noLimits;
         detail::RateLimits onlyNo = detail::noLimits;  ///< rates without the limits for yes
         void workOut();

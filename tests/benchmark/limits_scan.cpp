@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t mostSteps = 96;
 /// Other meshes than those for fitting may be worse.
-constexpr double partOfAllowance = 0.7;
+constexpr double partOfAllowance = 0.85;
 
 /// What an estimate without limits goes through on one pose.
 struct Course {
