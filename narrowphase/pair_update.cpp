@@ -7,6 +7,7 @@
 #include <grapeshot/narrowphase/detail/purse.hpp>
 #include <grapeshot/narrowphase/penetration.hpp>
 #include <grapeshot/narrowphase/relative_motion.hpp>
+#include <grapeshot/narrowphase/stand_in.hpp>
 
 namespace grapeshot {
 namespace {
@@ -65,8 +66,25 @@ float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const P
     return slow ? settings.slack : 0.0F;
 }
 
+/// The same for a traversal that will take several steps: enough for a few at the present speed, if that is not too
+/// far.
+float slackAhead(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                 const PairState& state) {
+    if (state.step <= 1) {
+        return settings.slack;
+    }
+    for (const float times : {1.0F, 2.0F, 4.0F, 8.0F}) {
+        if (movedAtMost(times / 3 * settings.slack, a, b, state.searchPose, bInA, settings)) {
+            return times * settings.slack;
+        }
+    }
+    return 0;
+}
+
 /// Steps of the first dive into the trees: enough to reach some leaf pairs of a million triangles.
 constexpr std::uint64_t diveWork = 16;
+/// Between two looks at what it has found.
+constexpr std::uint64_t diveStride = 4;
 
 /// The leaf pairs of the kept points, deepest first, in s.witnesses.
 void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& contacts, Scratch& s) {
@@ -92,23 +110,36 @@ void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& con
 /// the traversal is ready to go best first. If the dive has seen everything, there is none.
 void beginTraversal(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
                     Purse& purse, PairState& state, Scratch& s) {
-    state.traversalDistance = settings.maxDistance + slackNow(a, b, bInA, settings, state);
+    state.traversalDistance = settings.maxDistance + slackAhead(a, b, bInA, settings, state);
     state.candidatePose = bInA;
     state.candidateDistance = -1;
     state.candidates.clear();
     state.nextCandidate = 0;
     state.traversalWork = 0;
-    Budget dive = purse.left();
-    dive.work = std::min(dive.work, diveWork);
     state.traversal.emplace(a.tree, b.tree);
-    state.traversal->leafPairs(bInA, {state.traversalDistance, Order::depthFirst}, dive, s.leafPairs);
-    purse.pay(s.leafPairs.work);
-    if (s.leafPairs.certain) {
-        state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
-        state.traversal.reset();
-        return;
+    std::size_t tested = 0;
+    for (std::uint64_t dived = 0; dived < diveWork; dived += diveStride) {
+        Budget dive = purse.left();
+        dive.work = std::min(dive.work, diveStride);
+        if (dived == 0) {
+            state.traversal->leafPairs(bInA, {state.traversalDistance, Order::depthFirst}, dive, s.leafPairs);
+        } else {
+            state.traversal->resumeLeafPairs(dive, s.leafPairs);
+        }
+        purse.pay(s.leafPairs.work - state.traversalWork);
+        state.traversalWork = s.leafPairs.work;
+        if (s.leafPairs.certain) {
+            state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
+            state.traversal.reset();
+            return;
+        }
+        const auto fresh = std::span<const LeafPair>(s.leafPairs.pairs).subspan(tested);
+        tested += testSome(fresh, purse, s.search);
+        if (purse.isEmpty()) {
+            break;
+        }
     }
-    testPairs(s.leafPairs.pairs, purse, s.search);
+    state.traversalWork = 0;
     state.traversal->leafPairs(bInA, {state.traversalDistance, Order::bestFirst}, {.work = 0}, s.leafPairs);
 }
 
@@ -267,12 +298,35 @@ void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
                       });
 }
 
+bool hasPoints(const ContactSet& set) {
+    return std::any_of(set.slots.begin(), set.slots.end(), [](const RegionSlot& slot) { return slot.count > 0; });
+}
+
 /// Does some kept point penetrate?
 bool touches(const ContactSet& set) {
     return std::any_of(set.slots.begin(), set.slots.end(), [](const RegionSlot& slot) {
         const auto end = slot.points.begin() + slot.count;
         return std::any_of(slot.points.begin(), end, [](const auto& point) { return point.signedDistance <= 0.0F; });
     });
+}
+
+/// As long as a pair is cut short, its points are let slide farther before they are dropped: by so many times the
+/// usual. What held a body a step ago is the best guess at what holds it now.
+constexpr float slidingEvidence = 8;
+
+/// What is kept of a budget for a stand-in: if what is known may not be what holds the bodies apart, and the last call
+/// was not for the same pose.
+std::uint64_t standInReserve(const Pose& bInA, const Budget& budget, const PairState& state) {
+    const bool known = state.step > 1 && bInA.rotation == state.searchPose.rotation &&
+                       bInA.translation == state.searchPose.translation;
+    if (Purse(budget).isUnlimited() || (known && state.cutShort)) {
+        return 0;
+    }
+    const bool bare = !hasPoints(state.contacts);
+    if (budget.work >= 2 * standInWork) {
+        return bare || state.cutShort ? standInWork : 0;
+    }
+    return bare ? budget.work / 2 : 0;
 }
 
 }  // namespace
@@ -287,7 +341,15 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         forgetSearch(state);
         return result;
     }
-    const bool allStayed = refresh(state.contacts, bInA, settings.set);
+    const std::uint64_t reserve = standInReserve(bInA, budget, state);
+    if (reserve > 0) {
+        dropStandIns(state.contacts);
+    }
+    ContactSetSettings staying = settings.set;
+    if (state.cutShort && !Purse(budget).isUnlimited()) {
+        staying.mergeDistance *= slidingEvidence;
+    }
+    const bool allStayed = refresh(state.contacts, bInA, staying);
     if (state.searchHolds && allStayed && settings.reuseMotion > 0 && settings.maxDistance <= state.searchDistance &&
         movedAtMost(settings.reuseMotion, a, b, state.searchPose, bInA, settings)) {
         result.collides = touches(state.contacts);
@@ -296,14 +358,22 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         return result;
     }
     Scratch& s = threadScratch();
-    Purse purse(budget);
+    Budget ofSearch = budget;
+    ofSearch.work -= budget.work != unlimited ? reserve : 0;
+    Purse purse(ofSearch);
     state.searchHolds = false;  // should something be thrown
     const bool complete = searchPairs(a, b, bInA, settings, purse, state, result, s);
     findContacts(a, b, bInA, settings, complete, result, s);
+    if (!complete && reserve > 0) {
+        const std::size_t before = s.found.size();
+        purse.pay(standInContact(a, b, bInA, settings.set.regions, settings.maxDistance / 4, reserve, s.found));
+        result.collides = result.collides || s.found.size() > before;
+    }
     merge(state.contacts, s.found, bInA, complete, settings.set);
     if (!complete) {
         result.collides = result.collides || touches(state.contacts);
     }
+    state.cutShort = !complete;
     state.searchPose = bInA;
     state.searchDistance = settings.maxDistance;
     state.searchHolds = complete && result.deepContacts == 0 && s.search.overlapping().empty();
@@ -319,6 +389,7 @@ void forgetSearch(PairState& state) {
     state.traversal.reset();
     state.nextCandidate = 0;
     state.searchHolds = false;
+    state.cutShort = false;
 }
 
 std::uint64_t contactsAt(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,

@@ -51,6 +51,7 @@ struct PairState {
     /// It was complete, and its contacts may be refreshed. Set to false if a model's vertices moved, or if other
     /// settings than maxDistance are to take effect at once.
     bool searchHolds = false;
+    bool cutShort = false;  ///< it was ended by a budget
     std::uint64_t step = 0;
 };
 
@@ -70,7 +71,9 @@ struct PairResult {
 /// and nothing is reported. Out of budget: what was found is merged, kept points stay, and `certain` is false; the next
 /// call (in the same step or the next) goes on with the traversal and the tests where they stopped, after a look (with
 /// at most half of the budget) at the triangles of the kept points, deepest first. A traversal begins anew when the
-/// bodies have moved by more than the slack. Buffers are per thread.
+/// bodies have moved by more than the slack. A pair that has no contacts, or was cut short before, gets a stand-in when
+/// the budget ends (stand_in.hpp), for which standInWork units (at most half of the budget) are kept. Buffers are per
+/// thread.
 PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget budget,
                   PairState& state);
 
