@@ -15,10 +15,9 @@ namespace grapeshot {
 /// Work units that every pair gets, whatever the budget: contacts are refreshed (which costs none), the triangles
 /// around the deepest of them tested again, and a search goes on a little. About 2 us.
 inline constexpr std::uint64_t mandatorySlice = 8;
-/// The same for a pair that was cut short in the last step: half of it may go into a stand-in.
-inline constexpr std::uint64_t shakySlice = 16;
-/// The same for a pair without contacts: enough to find one where two surfaces first touch (in nine cases of ten).
-inline constexpr std::uint64_t firstSlice = 24;
+/// The same for a pair that has no contacts or was cut short in the last step: a third of it may go into a stand-in,
+/// the rest finds a contact where two surfaces first touch in nine cases of ten.
+inline constexpr std::uint64_t searchSlice = 24;
 
 /// What is left beyond the mandatory slices is dealt out in portions of so many work units.
 inline constexpr std::uint64_t slicePortion = 8;

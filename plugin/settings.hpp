@@ -29,10 +29,11 @@ struct Settings {
     /// What is cut short keeps its contacts of the last step and goes on in the next. Time gives up reproducibility.
     Budget pairBudget = {};
     /// Of a Dispatcher: most work (or time) that all pairs of a step may cost together, split by importance. Every pair
-    /// gets its mandatory slice: 8 units; 16 if it was cut short; 24 while it has no contacts, 88 if then it may pass
+    /// gets its mandatory slice: 8 units; 24 if it was cut short or has no contacts, 88 if it has none and may pass
     /// through within the step; meshes against planes and convex shapes cannot be cut short. So a step costs at most
-    /// max(budget, sum of these). 5,000 units are about a millisecond. Unlimited by default: then the contacts are
-    /// those of registerAlgorithms alone.
+    /// max(budget, sum of these); children of compounds and further dispatches that the last step had not may add their
+    /// slices to that. 5,000 units are about a millisecond. Unlimited by default: then the contacts are those of
+    /// registerAlgorithms alone. With a time, every pair gets its slice first, whatever that takes.
     Budget frameBudget = {};
     /// Of a Dispatcher: threads that compute contacts, 1..256. The contacts are the same for any number.
     int threads = 1;

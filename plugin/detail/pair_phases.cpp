@@ -156,9 +156,9 @@ std::uint64_t PairProcessor::wanted() const {
 
 std::uint64_t PairProcessor::mandatoryOf(const PairShapes& shapes, const PairTask& task) const {
     if (m_contacts.touches()) {
-        return m_cutShort ? shakySlice : mandatorySlice;
+        return m_cutShort ? searchSlice : mandatorySlice;
     }
-    return firstSlice + (sweptMotion(shapes, task) > 0 ? sweepSlice : 0);
+    return searchSlice + (sweptMotion(shapes, task) > 0 ? sweepSlice : 0);
 }
 
 PairTraits PairProcessor::traits() const {

@@ -105,7 +105,7 @@ TEST(FrameBudget, AZeroBudgetIsTheMandatorySlicesAlone) {
         degraded += world.stats().degraded;
         for (const PairStatistics& pair : world.stats().pairs) {
             EXPECT_LE(pair.work, pair.slice);
-            EXPECT_TRUE(pair.slice == 8 || pair.slice == 16 || pair.slice == 24 || pair.slice == 88) << pair.slice;
+            EXPECT_TRUE(pair.slice == 8 || pair.slice == 24 || pair.slice == 88) << pair.slice;
             EXPECT_EQ(pair.certain, pair.stop == StopReason::certain);
         }
     }
