@@ -148,12 +148,24 @@ void computeTraits(MeshModel& model) {
     }
 }
 
+void computeLeafOf(MeshModel& model) {
+    model.leafOf.assign(model.tree.triangles.size(), 0);
+    for (std::uint32_t leaf = 0; leaf < model.tree.leaves.size(); ++leaf) {
+        for (const std::uint32_t triangle : model.tree.leaves[leaf].triangle) {
+            if (triangle != noTriangle) {
+                model.leafOf[triangle] = leaf;
+            }
+        }
+    }
+}
+
 void computeDerived(MeshModel& model) {
     computeTriangleNormals(model);
     computeVertexNormals(model);
     computeVertexCones(model);
     computeTraits(model);
     model.leafShapes = detail::leafShapes(model.tree, model.topology, model.triangleNormals, model.traits);
+    computeLeafOf(model);
     model.solid = model.topology.closed && model.report.volume > 0;
 }
 

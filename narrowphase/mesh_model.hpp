@@ -57,6 +57,7 @@ struct MeshModel {
     /// The lowest triangle at each welded vertex; noTriangle at a vertex that no triangle uses.
     std::vector<std::uint32_t> vertexTriangle;
     std::vector<LeafShape> leafShapes;  ///< by leaf block of the tree
+    std::vector<std::uint32_t> leafOf;  ///< the leaf block of a triangle
     /// Closed and not inside out: inside and outside mean something, so penetration has a sign.
     bool solid = false;
 };

@@ -1,7 +1,9 @@
 // One step of one pair of meshes: pose in, persistent contacts out.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <grapeshot/adb/query.hpp>
@@ -31,17 +33,25 @@ struct PairSettings {
 };
 
 /// All that a pair remembers between steps; a value (copy it to save, assign it to restore: the following steps give
-/// the same bytes). Candidates and search refer to the two models it was made with.
+/// the same bytes). Candidates and search refer to the two models it was made with; see forgetSearch.
 struct PairState {
     ContactSet contacts;
-    std::vector<LeafPair> candidates;  ///< leaf pairs within candidateDistance in candidatePose, sorted
+    /// Leaf pairs within candidateDistance in candidatePose, sorted; of a traversal that was cut short those that it
+    /// has found, in its order.
+    std::vector<LeafPair> candidates;
     Pose candidatePose;
-    float candidateDistance = -1;  ///< m; negative: none kept
-    Pose searchPose;               ///< of the last search
-    float searchDistance = 0;      ///< its maxDistance, m
+    float candidateDistance = -1;  ///< m; negative: not all
+    /// Cut short by a budget: goes on in the next step, for as long as the bodies stay within what it looks for.
+    std::optional<Query> traversal;
+    float traversalDistance = -1;     ///< what it looks for, in candidatePose, m
+    std::uint64_t traversalWork = 0;  ///< its work so far
+    std::size_t nextCandidate = 0;    ///< where the tests go on if a budget ended them
+    Pose searchPose;                  ///< of the last search
+    float searchDistance = 0;         ///< its maxDistance, m
     /// It was complete, and its contacts may be refreshed. Set to false if a model's vertices moved, or if other
     /// settings than maxDistance are to take effect at once.
     bool searchHolds = false;
+    bool cutShort = false;  ///< it was ended by a budget
     std::uint64_t step = 0;
 };
 
@@ -58,10 +68,17 @@ struct PairResult {
 };
 
 /// Refresh, (traverse,) test, group, merge. On invalidInput (NaN or non-rigid pose) the state's contacts are cleared
-/// and nothing is reported. Out of budget: what was found is merged, kept points stay, `certain` is false, and the next
-/// step starts with a traversal. Buffers are per thread.
+/// and nothing is reported. Out of budget: what was found is merged, kept points stay, and `certain` is false; the next
+/// call (in the same step or the next) goes on with the traversal and the tests where they stopped, after a look (with
+/// at most half of the budget) at the triangles of the kept points, deepest first. A traversal begins anew when the
+/// bodies have moved by more than the slack. A pair that has no contacts, or was cut short before, gets a stand-in when
+/// the budget ends (stand_in.hpp), for which standInWork units (at most half of the budget) are kept. Buffers are per
+/// thread.
 PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget budget,
                   PairState& state);
+
+/// The models are other ones now, or their vertices have moved: the contacts are kept, the search is not.
+void forgetSearch(PairState& state);
 
 /// The contacts of one pose without memory, as `update` finds them but neither grouped nor reduced; bodies wholly
 /// inside another give none. Appended to `out`, A's frame. Returns the work.

@@ -19,25 +19,29 @@ AdbCollisionAlgorithm::AdbCollisionAlgorithm(const btCollisionAlgorithmConstruct
                                              std::shared_ptr<Context> context, bool query) noexcept
     : btActivatingCollisionAlgorithm(info) {
     try {
-        m_pair = new PairProcessor(info, std::move(context), query);
+        m_pair = std::make_shared<PairProcessor>(info, std::move(context), query);
     } catch (...) {
-        m_pair = nullptr;
+        m_pair.reset();
     }
 }
 
 AdbCollisionAlgorithm::~AdbCollisionAlgorithm() {
-    delete m_pair;
+    if (m_pair != nullptr) {
+        m_pair->close();
+    }
 }
 
 void AdbCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
                                              const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
                                              btManifoldResult* result) noexcept {
     BT_PROFILE("grapeshot.pair");
-    if (m_pair == nullptr) {
+    // A callback of the program's may remove a body, and with it this algorithm.
+    const std::shared_ptr<PairProcessor> pair = m_pair;
+    if (pair == nullptr) {
         return;
     }
     try {
-        m_pair->process(*body0, *body1, info, *result);
+        pair->process(*body0, *body1, info, *result);
     } catch (...) {
         // Out of memory: the contacts of the last step stay, the next step tries again.
     }

@@ -58,8 +58,11 @@ class AdbCollisionAlgorithm final : public btActivatingCollisionAlgorithm {
     /// As registerAlgorithms, with Settings::method adb.
     static Status registerAlgorithm(btCollisionDispatcher* dispatcher) noexcept;
 
+    /// For a Dispatcher; null: out of memory.
+    [[nodiscard]] detail::PairProcessor* processor() const noexcept { return m_pair.get(); }
+
   private:
-    detail::PairProcessor* m_pair = nullptr;  // null: out of memory
+    std::shared_ptr<detail::PairProcessor> m_pair;  // shared with `processCollision` while it runs
 };
 static_assert(sizeof(AdbCollisionAlgorithm) <= 64);
 

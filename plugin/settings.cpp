@@ -22,7 +22,7 @@ bool isValid(const Settings& settings) noexcept {
     return knownMethod && knownInterior && settings.maxManifolds >= 1 && settings.maxManifolds <= 16 &&
            share(settings.contactSpacing, 10) && share(settings.mergeDistance, 1) && settings.slack >= 0 &&
            settings.slack <= 1 && settings.reuse >= 0 && settings.reuse <= 0.9F && settings.lean >= 0 &&
-           settings.lean <= 0.5F && settings.speculativeLimit >= 0;
+           settings.lean <= 0.5F && settings.speculativeLimit >= 0 && settings.threads >= 1 && settings.threads <= 256;
 }
 
 std::string_view name(Status status) noexcept {

@@ -7,6 +7,8 @@
 #include <grapeshot/narrowphase/mesh_model.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
+class btCollisionObject;
+
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 
@@ -26,6 +28,18 @@ struct Settings {
     /// Most work (in calls of a 16-wide kernel, about 0.2 us each) or time that a pair of meshes may cost in one step.
     /// What is cut short keeps its contacts of the last step and goes on in the next. Time gives up reproducibility.
     Budget pairBudget = {};
+    /// Of a Dispatcher: most work (or time) that all pairs of a step may cost together, split by importance. Every pair
+    /// gets its mandatory slice: 8 units; 24 if it was cut short or has no contacts, 88 if it has none and may pass
+    /// through within the step; meshes against planes and convex shapes cannot be cut short. So a step costs at most
+    /// max(budget, sum of these); children of compounds and further dispatches that the last step had not may add their
+    /// slices to that. 5,000 units are about a millisecond. Unlimited by default: then the contacts are those of
+    /// registerAlgorithms alone. With a time, every pair gets its slice first, whatever that takes.
+    Budget frameBudget = {};
+    /// Of a Dispatcher: threads that compute contacts, 1..256. The contacts are the same for any number.
+    int threads = 1;
+    /// Of a Dispatcher: what a pair counts for beside its motion, mass and size, relative to others; > 0. Called once a
+    /// step for each pair, from the thread that steps the world. Null: 1.
+    float (*pairWeight)(const btCollisionObject&, const btCollisionObject&) noexcept = nullptr;
     /// The same for one pair of a query: contactTest, contactPairTest.
     Budget queryBudget = {};
     /// Of everything random. Nothing is, so far.

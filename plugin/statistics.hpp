@@ -18,6 +18,8 @@ struct PairStatistics {
     int proxyA = -1;  ///< ids of the two broadphase proxies (btBroadphaseProxy::getUid), -1 if the body has none
     int proxyB = -1;
     std::uint64_t work = 0;                      ///< calls of a 16-wide kernel
+    std::uint64_t slice = 0;                     ///< most that it was given, work units; `unlimited` without a budget
+    std::uint32_t age = 0;                       ///< steps in a row cut short without more than the mandatory slice
     std::uint32_t candidates = 0;                ///< leaf pairs tested
     int contacts = 0;                            ///< points given to Bullet
     int speculative = 0;                         ///< of these, ahead of time
@@ -34,7 +36,8 @@ struct PairStatistics {
 ///
 /// Bullet has no sign for the begin of a step that an algorithm could see. A step begins here when a pair comes by for
 /// the second time; so each substep of stepSimulation is one, and what is read after stepSimulation is the last. A step
-/// in which every pair is new, or none is processed, is not told from the one before.
+/// in which every pair is new, or none is processed, is not told from the one before. A Dispatcher knows better: see
+/// there when its frames begin; each is a step here.
 struct StepStatistics {
     std::uint64_t step = 0;  ///< counts from 1
     std::uint64_t work = 0;
@@ -46,10 +49,16 @@ struct StepStatistics {
     float deepest = 0;                  ///< m
     int traversals = 0;                 ///< pairs whose trees were traversed
     int refreshed = 0;                  ///< pairs that had moved too little to be searched
-    int uncertain = 0;                  ///< pairs ended by their budget
+    int degraded = 0;                   ///< pairs cut short by their budget: they go on in the next step
+    std::uint32_t longestWait = 0;      ///< largest age of a pair, steps
     int refused = 0;                    ///< pairs without an answer: unusable mesh, pose that is not rigid or no number
     std::string lastRefusal;            ///< why, in words; kept from the last step that had one
     std::vector<PairStatistics> pairs;  ///< in the order Bullet processed them
+
+    // Of a Dispatcher alone; children of compounds and all dispatches of the frame included.
+    std::uint64_t budget = unlimited;  ///< Settings::frameBudget.work
+    std::uint64_t mandatory = 0;       ///< work units that were given out whatever the budget
+    int dispatches = 0;                ///< of pair caches, in this frame
 
     // Since registration.
     std::uint64_t fallbacks = 0;  ///< pairs handed to Bullet's GImpact algorithm, for want of any other

@@ -41,12 +41,15 @@ void TimedDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairs, c
                                                 btDispatcher* dispatcher) {
     const double wall = report::wallUs();
     const double cpu = report::threadCpuUs();
-    btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
+    Dispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
     m_seconds += 1e-6 * (report::wallUs() - wall);
     m_cpuSeconds += 1e-6 * (report::threadCpuUs() - cpu);
 }
 
 void install(Engine engine, btCollisionDispatcher& dispatcher, const Settings& settings) {
+    if (engine != Engine::grapeshot) {
+        static_cast<void>(unregisterAlgorithms(&dispatcher));  // a TimedDispatcher comes with our algorithms
+    }
     if (engine == Engine::gimpact) {
         btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
     }

@@ -19,14 +19,15 @@ enum class Engine {
 [[nodiscard]] std::string_view name(Engine engine) noexcept;   ///< as in options and reports
 [[nodiscard]] std::string_view title(Engine engine) noexcept;  ///< as people write it
 
-/// A dispatcher that measures itself: dispatchAllCollisionPairs is the narrowphase.
-class TimedDispatcher : public btCollisionDispatcher {
+/// A dispatcher that measures itself: dispatchAllCollisionPairs is the narrowphase. With other engines than ours it is
+/// plain Bullet's.
+class TimedDispatcher : public Dispatcher {
   public:
-    using btCollisionDispatcher::btCollisionDispatcher;
+    using Dispatcher::Dispatcher;
     void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
                                    btDispatcher* dispatcher) override;
 
-    /// Of the last step: wall clock and this thread's processor time, s.
+    /// Of the last step: wall clock and this thread's processor time (other threads' is not counted), s.
     [[nodiscard]] double seconds() const { return m_seconds; }
     [[nodiscard]] double cpuSeconds() const { return m_cpuSeconds; }
     void resetClock() { m_seconds = m_cpuSeconds = 0; }

@@ -144,16 +144,30 @@ btCollisionAlgorithm* Context::createForeign(btCollisionAlgorithmConstructionInf
                : nullptr;
 }
 
-std::uint64_t Context::enterStep(std::uint64_t lastStep) {
+void Context::beginStep() {
     StepStatistics& s = statistics;
-    if (s.step == 0 || lastStep == s.step) {
-        ++s.step;
-        s.work = s.candidates = s.droppedRegions = 0;
-        s.contacts = s.speculative = s.manifolds = s.traversals = s.refreshed = s.uncertain = s.refused = 0;
-        s.deepest = 0;
-        s.pairs.clear();
+    ++s.step;
+    s.work = s.candidates = s.droppedRegions = 0;
+    s.contacts = s.speculative = s.manifolds = s.traversals = s.refreshed = s.degraded = s.refused = 0;
+    s.deepest = 0;
+    s.longestWait = 0;
+    s.budget = unlimited;
+    s.mandatory = 0;
+    s.dispatches = 0;
+    s.pairs.clear();
+}
+
+std::uint64_t Context::enterStep(std::uint64_t lastStep) {
+    if (statistics.step == 0 || (!framed && lastStep == statistics.step)) {
+        beginStep();
     }
-    return s.step;
+    return statistics.step;
+}
+
+void Context::reportFrame() {
+    statistics.budget = frame.budget().work;
+    statistics.mandatory = frame.mandatory();
+    statistics.dispatches = frame.dispatches();
 }
 
 void Context::record(const PairStatistics& pair) {
@@ -166,7 +180,8 @@ void Context::record(const PairStatistics& pair) {
     s.manifolds += pair.manifolds;
     s.traversals += pair.traversed ? 1 : 0;
     s.refreshed += pair.refreshed ? 1 : 0;
-    s.uncertain += pair.stop == StopReason::budget ? 1 : 0;
+    s.degraded += pair.stop == StopReason::budget ? 1 : 0;
+    s.longestWait = std::max(s.longestWait, pair.age);
     s.deepest = std::max(s.deepest, pair.deepest);
     s.pairs.push_back(pair);
 }

@@ -9,6 +9,7 @@
 
 #include <grapeshot/plugin/collision_algorithm.hpp>
 #include <grapeshot/plugin/detail/dispatch_tables.hpp>
+#include <grapeshot/plugin/detail/frame.hpp>
 #include <grapeshot/plugin/settings.hpp>
 #include <grapeshot/plugin/statistics.hpp>
 
@@ -49,7 +50,16 @@ struct Context : std::enable_shared_from_this<Context> {
     void record(const PairStatistics& pair);
     void refuse(PairStatistics pair, const std::string& reason);
 
+    /// The frame of a Dispatcher while its dispatch goes on, if its budget is limited; else null.
+    [[nodiscard]] Frame* openFrame() { return dispatching && frame.isLimited() ? &frame : nullptr; }
+    void beginStep();
+    /// After work was paid for.
+    void reportFrame();
+
     Settings settings;
+    Frame frame;
+    bool framed = false;       ///< the dispatcher is one of ours: it says when a step begins
+    bool dispatching = false;  ///< it is between the begin and the end of a dispatch
     StepStatistics statistics;
     std::vector<Cell> cells;
     std::array<std::unique_ptr<AdbCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <grapeshot/adb/tree.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 
 namespace grapeshot {
@@ -20,8 +21,11 @@ BulletPoint toBulletPoint(const PersistentPoint& point, const ContactBodies& bod
     BulletPoint result;
     result.depth = btScalar(point.signedDistance) - bodies.marginA - bodies.marginB;
     const btVector3 onA = onB + normal * result.depth;
-    const TriangleId idA = bodies.partsA.empty() ? TriangleId{} : idOf(bodies.partsA, point.triangleA);
-    const TriangleId idB = bodies.partsB.empty() ? TriangleId{} : idOf(bodies.partsB, point.triangleB);
+    const auto nameOf = [](std::span<const MeshPart> parts, std::uint32_t triangle) {
+        return parts.empty() || triangle == noTriangle ? TriangleId{} : idOf(parts, triangle);
+    };
+    const TriangleId idA = nameOf(bodies.partsA, point.triangleA);
+    const TriangleId idB = nameOf(bodies.partsB, point.triangleB);
     const btVector3 localA = bodies.a->getCollisionObject()->getWorldTransform().invXform(onA);
     const btVector3 localB = bodies.b->getCollisionObject()->getWorldTransform().invXform(onB);
     result.position = aIsBody0 ? onB : onA;
@@ -48,6 +52,9 @@ Written ManifoldWriter::write(const ContactSet& now, const ContactSet& ahead, co
     }
     writeSet(now, false, bodies, reach, result, written);
     writeSet(ahead, true, bodies, reach, result, written);
+    if (m_stopped) {
+        return written;
+    }
     for (const Own& own : m_own) {
         if (!own.used) {
             if (result.getPersistentManifold() == own.manifold) {
@@ -63,6 +70,9 @@ Written ManifoldWriter::write(const ContactSet& now, const ContactSet& ahead, co
 void ManifoldWriter::writeSet(const ContactSet& set, bool ahead, const ContactBodies& bodies, float reach,
                               btManifoldResult& result, Written& written) {
     for (const RegionSlot& slot : set.slots) {
+        if (m_stopped) {
+            return;  // a body was removed in a callback
+        }
         if (slot.id == 0 || slot.count == 0) {
             continue;
         }
@@ -89,12 +99,12 @@ void ManifoldWriter::writeSet(const ContactSet& set, bool ahead, const ContactBo
                 threshold = btMax(threshold, point.depth);
             }
             manifold->setContactBreakingThreshold(threshold);
-            setPoints(*manifold, usable, btScalar(reach), result);
+            setPoints(*manifold, usable, btScalar(reach), result, m_stopped);
             result.refreshContactPoints();  // counts life times, calls the program's gContactProcessedCallback
             mine->used = true;
         } else {
-            for (const BulletPoint& point : usable) {
-                addPoint(*manifold, point, result);
+            for (std::size_t i = 0; i < usable.size() && !m_stopped; ++i) {
+                addPoint(*manifold, usable[i], result);
             }
         }
         written.contacts += static_cast<int>(count);

@@ -46,6 +46,8 @@ class ManifoldWriter {
                   btManifoldResult& result);
     /// Gives the own manifolds back.
     void clear();
+    /// From within a callback: nothing more is written.
+    void stop() { m_stopped = true; }
     void collect(btManifoldArray& manifolds) const;
 
   private:
@@ -63,6 +65,7 @@ class ManifoldWriter {
     btDispatcher& m_dispatcher;
     btPersistentManifold* m_shared;
     std::vector<Own> m_own;
+    bool m_stopped = false;
 };
 
 }  // namespace detail

@@ -59,11 +59,20 @@ PairSettings pairSettings(const PairTask& task) {
 }
 
 PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
-    clear(m_ahead);
+    const bool sweeps = sweptMotion(shapes, task) > 0 && !(task.again && m_swept);
+    if (!task.again) {
+        clear(m_ahead);
+        m_swept = !sweeps;
+    }
+    Budget budget = task.budget;
+    const bool touched = touches();
+    if (sweeps && !touched && budget.work != unlimited) {
+        budget.work /= 2;  // they have not met yet: what is ahead of them counts as much
+    }
     const PairSettings settings = pairSettings(task);
     const Pose pose = toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()));
     PairResult result = shapes.modelB
-                            ? update(*shapes.modelA->mesh, *shapes.modelB->mesh, pose, settings, task.budget, m_state)
+                            ? update(*shapes.modelA->mesh, *shapes.modelB->mesh, pose, settings, budget, m_state)
                             : stepSolid(shapes, task, settings, pose);
     if (result.stop == StopReason::invalidInput) {
         clear(m_state.contacts);
@@ -72,10 +81,26 @@ PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
     if (task.closestDistance > task.maxDistance) {
         findClosest(shapes, task, settings, pose, result);
     }
-    if (task.timeStep > 0 && task.settings->speculative) {
-        result.work += sweptContacts(shapes, task, settings, m_state.contacts, m_ahead);
+    if (sweeps && (result.certain || !touched)) {
+        budget = task.budget;
+        if (budget.work != unlimited) {
+            budget.work -= std::min(budget.work, result.work);
+        }
+        clear(m_ahead);
+        const Swept swept = sweptContacts(shapes, task, settings, budget, m_state.contacts, m_ahead);
+        result.work += swept.work;
+        m_swept = swept.complete;
+        if (!m_swept) {
+            result.certain = false;
+            result.stop = StopReason::budget;
+        }
     }
     return result;
+}
+
+bool PairContacts::touches() const {
+    const std::vector<RegionSlot>& slots = m_state.contacts.slots;
+    return std::any_of(slots.begin(), slots.end(), [](const RegionSlot& slot) { return slot.count > 0; });
 }
 
 PairResult PairContacts::stepSolid(const PairShapes& shapes, const PairTask&, const PairSettings& settings,
@@ -129,7 +154,6 @@ void PairContacts::findClosest(const PairShapes& shapes, const PairTask& task, c
 void PairContacts::forget() {
     clear(m_state.contacts);
     clear(m_ahead);
-    m_state.candidates.clear();
     forgetCandidates();
 }
 

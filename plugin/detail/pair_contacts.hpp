@@ -39,6 +39,7 @@ struct PairTask {
     float breaking = 0;         ///< that threshold, m
     float closestDistance = 0;  ///< queries: the nearest points up to this distance, if nothing is nearer, m
     btScalar timeStep = 0;      ///< s; 0: no contacts ahead of time
+    bool again = false;         ///< once more in the same step, because the budget ended the last call
 };
 
 class PairContacts {
@@ -48,12 +49,10 @@ class PairContacts {
     /// The shapes are others now. Names of regions are not used again.
     void forget();
     /// The vertices moved; the triangles are the same.
-    void forgetCandidates() {
-        m_state.candidateDistance = -1;
-        m_state.searchHolds = false;
-    }
+    void forgetCandidates() { forgetSearch(m_state); }
 
     [[nodiscard]] const ContactSet& now() const { return m_state.contacts; }
+    [[nodiscard]] bool touches() const;  ///< there are some now
     /// Contacts that the motion of the coming step will make.
     [[nodiscard]] const ContactSet& ahead() const { return m_ahead; }
 
@@ -65,6 +64,7 @@ class PairContacts {
 
     PairState m_state;
     ContactSet m_ahead;
+    bool m_swept = false;  // nothing ahead was left out in this step
 };
 
 [[nodiscard]] PairSettings pairSettings(const PairTask& task);

@@ -5,7 +5,10 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include <algorithm>
-#include <cmath>
+
+#include <grapeshot/narrowphase/schedule.hpp>
+#include <grapeshot/plugin/detail/pair_ahead.hpp>
+#include <grapeshot/plugin/detail/swept_contacts.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -34,42 +37,70 @@ PairProcessor::~PairProcessor() {
 
 void PairProcessor::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                             const btDispatcherInfo& info, btManifoldResult& result) {
-    const Bodies bodies{&body0, &body1};
-    if (!m_query) {
-        m_step = m_context->enterStep(m_step);
+    m_processing = true;
+    try {
+        processNow({&body0, &body1}, info, result);
+    } catch (...) {
+        m_processing = false;
+        if (m_closed) {
+            close();
+        }
+        throw;
     }
-    const bool rebound = bind(bodies);
+    m_processing = false;
+    if (m_closed) {
+        close();
+    }
+}
+
+void PairProcessor::close() {
+    m_closed = true;
+    if (m_processing) {
+        m_writer.stop();
+        return;
+    }
+    m_writer.clear();
+    dropDelegate();
+}
+
+void PairProcessor::look(const Bodies& bodies) {
+    m_rebound = bind(bodies);
     if (m_settingsVersion != m_context->settingsVersion) {
         m_settingsVersion = m_context->settingsVersion;
         m_contacts.forgetCandidates();
     }
+}
+
+void PairProcessor::processNow(const Bodies& bodies, const btDispatcherInfo& info, btManifoldResult& result) {
+    if (!m_query) {
+        m_step = m_context->enterStep(m_step);
+    }
+    m_unwanted = false;
+    PairShapes shapes;
+    if (takeAhead(bodies, shapes)) {
+        write(bodies, shapes, result);
+        return;
+    }
+    look(bodies);
+    m_share = {};
     if (m_kind == PairKind::foreign) {
         m_writer.clear();
         delegate(bodies, info, result);
         return;
     }
     dropDelegate();
-    PairStatistics pair;
-    pair.proxyA = proxyOf(body0);
-    pair.proxyB = proxyOf(body1);
-    PairShapes shapes;
     std::string refusal;
-    if (!findModels(bodies, rebound, shapes, refusal)) {
+    if (!findModels(bodies, m_rebound, shapes, refusal)) {
         m_contacts.forget();
         m_writer.clear();
-        report(pair, &refusal);
+        report(bodies, {}, &refusal);
         return;
     }
     if (m_query) {
         m_contacts.forget();  // without memory
     }
-    solve(bodies, shapes, info, result, pair);
-    if (pair.stop == StopReason::invalidInput) {
-        refusal = "the bodies' relative pose is not rigid, or a margin is no number";
-        report(pair, &refusal);
-    } else {
-        report(pair, nullptr);
-    }
+    computeNow(shapes, task(shapes, info.m_timeStep, result.m_closestPointDistanceThreshold));
+    write(bodies, shapes, result);
 }
 
 bool PairProcessor::bind(const Bodies& bodies) {
@@ -168,8 +199,7 @@ bool PairProcessor::findModels(const Bodies& bodies, bool rebound, PairShapes& s
     return true;
 }
 
-PairTask PairProcessor::task(const PairShapes& shapes, const btDispatcherInfo& info,
-                             const btManifoldResult& result) const {
+PairTask PairProcessor::task(const PairShapes& shapes, btScalar timeStep, btScalar closestDistance) const {
     PairTask task;
     task.settings = &m_context->settings;
     task.budget = m_query ? m_context->settings.queryBudget : m_context->settings.pairBudget;
@@ -177,37 +207,81 @@ PairTask PairProcessor::task(const PairShapes& shapes, const btDispatcherInfo& i
     const btScalar margins = shapes.marginA + shapes.marginB;
     task.breaking = static_cast<float>(m_breaking);
     task.maxDistance = static_cast<float>(margins + m_breaking);
-    task.closestDistance = static_cast<float>(margins + result.m_closestPointDistanceThreshold);
+    task.closestDistance = static_cast<float>(margins + closestDistance);
     // Outside stepSimulation it is 0.
-    task.timeStep = m_query || !(info.m_timeStep > 0) ? btScalar(0) : info.m_timeStep;
+    task.timeStep = m_query || !(timeStep > 0) ? btScalar(0) : timeStep;
     return task;
 }
 
-void PairProcessor::solve(const Bodies& bodies, const PairShapes& shapes, const btDispatcherInfo& info,
-                          btManifoldResult& result, PairStatistics& pair) {
-    const PairTask what = task(shapes, info, result);
-    const PairResult found = m_contacts.step(shapes, what);
+/// A pair that Bullet's pass brings up: a query, a child of a compound, or any where there is no frame.
+void PairProcessor::computeNow(const PairShapes& shapes, const PairTask& task) {
+    Frame* frame = m_query ? nullptr : m_context->openFrame();
+    PairTask now = task;
+    m_share.mandatory = mandatoryOf(shapes, task);
+    if (frame != nullptr) {
+        const Budget slice = frame->latecomerSlice(m_share.mandatory);
+        now.budget.work = std::min(now.budget.work, slice.work);
+        if (slice.time < now.budget.time) {
+            now.budget.time = slice.time;
+            now.budget.clock = slice.clock;
+        }
+    }
+    m_share.slice = now.budget.work;
+    m_share.result = m_contacts.step(shapes, now);
+    settle();
+    if (frame != nullptr) {
+        // What cannot be cut short is all mandatory.
+        m_share.mandatory = shapes.modelB ? std::min(m_share.mandatory, m_share.slice) : m_share.result.work;
+        frame->payLatecomer(m_share.result.work, m_share.mandatory);
+    }
+}
+
+void PairProcessor::settle() {
+    const PairResult& result = m_share.result;
+    m_cutShort = result.stop == StopReason::budget;
+    if (m_cutShort) {
+        ++m_staleness;
+        m_age = m_share.slice > m_share.mandatory ? 0 : m_age + 1;
+    } else {
+        m_age = m_staleness = 0;
+        m_lastNeed = result.work;
+    }
+}
+
+void PairProcessor::write(const Bodies& bodies, const PairShapes& shapes, btManifoldResult& result) {
+    if (m_share.result.stop == StopReason::invalidInput) {
+        m_writer.clear();
+        static const std::string reason = "the bodies' relative pose is not rigid, or a margin is no number";
+        report(bodies, {}, &reason);
+        return;
+    }
     ContactBodies contactBodies{shapes.a, shapes.b, shapes.modelA->parts, {}, shapes.marginA, shapes.marginB};
     if (shapes.modelB) {
         contactBodies.partsB = shapes.modelB->parts;
     }
     contactBodies.aIsFirst = shapes.a == bodies[0];
-    const Written written = m_writer.write(m_contacts.now(), m_contacts.ahead(), contactBodies,
-                                           2 * pairSettings(what).set.mergeDistance, result);
+    const float reach = 2 * m_context->settings.mergeDistance * m_size.size;
+    report(bodies, m_writer.write(m_contacts.now(), m_contacts.ahead(), contactBodies, reach, result), nullptr);
+}
+
+void PairProcessor::report(const Bodies& bodies, const Written& written, const std::string* refusal) {
+    const PairResult& found = m_share.result;
+    PairStatistics pair;
+    pair.proxyA = proxyOf(*bodies[0]);
+    pair.proxyB = proxyOf(*bodies[1]);
     pair.work = found.work;
+    pair.slice = m_share.slice;
+    pair.age = m_age;
     pair.candidates = found.candidates;
     pair.traversed = found.traversed;
     pair.refreshed = found.refreshed;
     pair.certain = found.certain;
     pair.stop = found.stop;
-    pair.droppedRegions = m_contacts.now().droppedRegions;
+    pair.droppedRegions = refusal != nullptr ? 0 : m_contacts.now().droppedRegions;
     pair.contacts = written.contacts;
     pair.speculative = written.ahead;
     pair.manifolds = written.manifolds;
     pair.deepest = written.deepest;
-}
-
-void PairProcessor::report(const PairStatistics& pair, const std::string* refusal) {
     StepStatistics& statistics = m_context->statistics;
     if (!m_query) {
         refusal != nullptr ? m_context->refuse(pair, *refusal) : m_context->record(pair);

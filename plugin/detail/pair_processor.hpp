@@ -10,11 +10,19 @@
 #include <grapeshot/plugin/detail/context.hpp>
 #include <grapeshot/plugin/detail/manifold_writer.hpp>
 #include <grapeshot/plugin/detail/pair_contacts.hpp>
+#include <grapeshot/plugin/detail/pair_importance.hpp>
 #include <grapeshot/plugin/detail/shape_kind.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
+
+/// A pair's share of one step, over as many calls as it took.
+struct PairShare {
+    std::uint64_t slice = 0;      ///< work units it was given
+    std::uint64_t mandatory = 0;  ///< of these, whatever the budget
+    PairResult result;
+};
 
 class PairProcessor {
   public:
@@ -23,24 +31,54 @@ class PairProcessor {
     PairProcessor(const PairProcessor&) = delete;
     PairProcessor& operator=(const PairProcessor&) = delete;
 
+    /// Bullet's pass: computes the contacts, if that was not done ahead of it for these very shapes and poses, and
+    /// writes them.
     void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                  const btDispatcherInfo& info, btManifoldResult& result);
     void collectManifolds(btManifoldArray& manifolds) const;
+    /// The algorithm is destroyed: gives everything back, at once or, from within a callback of the program's that
+    /// `process` has called, when that returns.
+    void close();
+
+    // Ahead of Bullet's pass, by a Dispatcher; pair_phases.cpp.
+
+    /// Serial. False if there is nothing to compute: shapes that are not ours or cannot be used, or a pair that the
+    /// program's near callback did not let pass last time.
+    bool prepare(btCollisionObject& body0, btCollisionObject& body1, const btDispatcherInfo& info);
+    /// On any thread unless `needsBullet`. Touches nothing but this pair. A second call in a step goes on where the
+    /// first was cut short.
+    void compute(const Budget& budget) noexcept;
+    /// After the last `compute` of the step.
+    void settle();
+    [[nodiscard]] bool needsBullet() const;  ///< calls functions of Bullet that may not be called from two threads
+    [[nodiscard]] bool isSolid() const;      ///< a mesh against a solid: cannot be cut short
+    [[nodiscard]] bool wasCutShort() const;
+    [[nodiscard]] const PairShare& share() const { return m_share; }
+    [[nodiscard]] std::uint64_t key() const;
+    [[nodiscard]] std::uint64_t mandatory() const;
+    [[nodiscard]] std::uint64_t wanted() const;  ///< work units, as the last steps tell
+    [[nodiscard]] std::uint32_t age() const { return m_age; }
+    [[nodiscard]] PairTraits traits() const;
 
   private:
     using Bodies = std::array<const btCollisionObjectWrapper*, 2>;
+    /// What is known ahead of Bullet's pass.
+    struct Ahead;
 
     /// True if the shapes are others than last time.
     bool bind(const Bodies& bodies);
     void delegate(const Bodies& bodies, const btDispatcherInfo& info, btManifoldResult& result);
     void dropDelegate();
     [[nodiscard]] bool findModels(const Bodies& bodies, bool rebound, PairShapes& shapes, std::string& refusal);
-    [[nodiscard]] PairTask task(const PairShapes& shapes, const btDispatcherInfo& info,
-                                const btManifoldResult& result) const;
+    [[nodiscard]] PairTask task(const PairShapes& shapes, btScalar timeStep, btScalar closestDistance) const;
+    [[nodiscard]] std::uint64_t mandatoryOf(const PairShapes& shapes, const PairTask& task) const;
     [[nodiscard]] btScalar breakingThreshold(const Bodies& bodies) const;
-    void solve(const Bodies& bodies, const PairShapes& shapes, const btDispatcherInfo& info, btManifoldResult& result,
-               PairStatistics& pair);
-    void report(const PairStatistics& pair, const std::string* refusal);
+    [[nodiscard]] bool takeAhead(const Bodies& bodies, PairShapes& shapes);
+    void processNow(const Bodies& bodies, const btDispatcherInfo& info, btManifoldResult& result);
+    void look(const Bodies& bodies);
+    void computeNow(const PairShapes& shapes, const PairTask& task);
+    void write(const Bodies& bodies, const PairShapes& shapes, btManifoldResult& result);
+    void report(const Bodies& bodies, const Written& written, const std::string* refusal);
 
     btDispatcher& m_dispatcher;
     std::shared_ptr<Context> m_context;
@@ -52,6 +90,7 @@ class PairProcessor {
     std::array<const btCollisionShape*, 2> m_shapes{};
     std::array<int, 2> m_types{-1, -1};
     PairKind m_kind = PairKind::foreign;
+    bool m_rebound = false;
     btScalar m_breaking = 0;
     std::array<std::shared_ptr<ShapeEntry>, 2> m_entries;
     std::array<std::shared_ptr<const ShapeModel>, 2> m_models;
@@ -61,6 +100,17 @@ class PairProcessor {
     ManifoldWriter m_writer;
     btPersistentManifold* m_shared;
     btCollisionAlgorithm* m_delegate = nullptr;
+
+    // Of the schedule.
+    std::unique_ptr<Ahead> m_ahead;
+    PairShare m_share;
+    std::uint64_t m_lastNeed = unlimited;  // work of the last step that got to the end
+    std::uint32_t m_age = 0;               // see ScheduledPair::age
+    std::uint32_t m_staleness = 0;         // steps since one got to the end
+    bool m_cutShort = true;                // in the last step; or new
+    bool m_unwanted = false;               // the program's near callback did not let it pass
+    bool m_processing = false;
+    bool m_closed = false;
 };
 
 }  // namespace detail

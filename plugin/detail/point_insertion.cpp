@@ -125,11 +125,11 @@ void addPoint(btPersistentManifold& manifold, const BulletPoint& point, btManifo
 }
 
 void setPoints(btPersistentManifold& manifold, std::span<const BulletPoint> points, btScalar reach,
-               btManifoldResult& result) {
+               btManifoldResult& result, const bool& stopped) {
     assert(points.size() <= static_cast<std::size_t>(most));
     Matches matches = match(manifold, points, reach);
     recycle(manifold, points, matches);
-    for (std::size_t p = 0; p < points.size(); ++p) {
+    for (std::size_t p = 0; p < points.size() && !stopped; ++p) {
         const int kept = matches[p];
         const Blinkers blinkers(manifold, kept);
         if (kept == none) {

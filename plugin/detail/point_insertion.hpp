@@ -28,10 +28,12 @@ struct BulletPoint {
     TriangleId triangleB;
 };
 
+inline constexpr bool goesOn = false;
+
 /// At most MANIFOLD_CACHE_SIZE points. A kept point goes on as the new one that is nearest on either body, if that is
-/// within `reach`, m.
+/// within `reach`, m. Ends as soon as a callback of the program's has made `stopped` true.
 void setPoints(btPersistentManifold& manifold, std::span<const BulletPoint> points, btScalar reach,
-               btManifoldResult& result);
+               btManifoldResult& result, const bool& stopped = goesOn);
 
 /// One point, by Bullet's own rules.
 void addPoint(btPersistentManifold& manifold, const BulletPoint& point, btManifoldResult& result);

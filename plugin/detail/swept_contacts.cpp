@@ -1,6 +1,7 @@
 #include <grapeshot/plugin/detail/swept_contacts.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -27,9 +28,12 @@ btTransform toTransform(const Pose& pose) {
 
 class Sweep {
   public:
-    Sweep(const PairShapes& shapes, const PairTask& task, const PairSettings& settings, const ContactSet& touching)
+    Sweep(const PairShapes& shapes, const PairTask& task, const PairSettings& settings, const Budget& budget,
+          const ContactSet& touching)
         : m_shapes(shapes),
           m_task(task),
+          m_budget(budget),
+          m_start(budget.time != never ? now() : std::chrono::nanoseconds(0)),
           m_settings(settings),
           m_touching(touching),
           m_motionA(motionOf(*shapes.a->getCollisionObject())),
@@ -37,7 +41,7 @@ class Sweep {
           m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {}
 
     /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
-    std::uint64_t run(float motion, btScalar seconds, ContactSet& ahead) {
+    Swept run(float motion, btScalar seconds, ContactSet& ahead) {
         // In strides of half their thickness bodies overlap at some moment on the way, unless they do already. Where
         // that is too many, they are looked at as often as their contact distance says.
         const float fine = 0.5F * m_task.size.thickness;
@@ -54,11 +58,14 @@ class Sweep {
         for (int k = 1; k <= steps && after <= 0; ++k) {
             const btScalar here = seconds * btScalar(k) / btScalar(steps);
             (hits(here) ? after : before) = here;
+            if (isSpent()) {
+                return {m_work, false};
+            }
         }
         if (after <= 0) {
-            return m_work;
+            return {m_work, true};
         }
-        for (int i = 0; i < bisections; ++i) {
+        for (int i = 0; i < bisections && !isSpent(); ++i) {
             const btScalar middle = (before + after) / 2;
             (hits(middle) ? after : before) = middle;
         }
@@ -73,10 +80,29 @@ class Sweep {
             set.maxDistance = motion + m_settings.maxDistance;
             merge(ahead, m_found, m_now, true, set);
         }
-        return m_work;
+        return {m_work, !isSpent()};
     }
 
   private:
+    [[nodiscard]] std::chrono::nanoseconds now() const {
+        return m_budget.clock != nullptr ? m_budget.clock()
+                                         : std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                               std::chrono::steady_clock::now().time_since_epoch());
+    }
+    [[nodiscard]] Budget left() const {
+        Budget rest = m_budget;
+        if (rest.work != unlimited) {
+            rest.work -= std::min(rest.work, m_work);
+        }
+        if (rest.time != never) {
+            rest.time = std::max(std::chrono::nanoseconds(0), rest.time - (now() - m_start));
+        }
+        return rest;
+    }
+    [[nodiscard]] bool isSpent() const {
+        const Budget rest = left();
+        return rest.work == 0 || rest.time <= std::chrono::nanoseconds(0);
+    }
     [[nodiscard]] Pose poseAt(btScalar seconds) const {
         return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
     }
@@ -91,7 +117,7 @@ class Sweep {
         if (!isRigid(then)) {
             return false;
         }
-        const Decision decision = m_query->decide(then, DecideSettings::exact(), m_task.budget);
+        const Decision decision = m_query->decide(then, DecideSettings::exact(), left());
         m_work += decision.work;
         return decision.certain && decision.collides;
     }
@@ -104,7 +130,7 @@ class Sweep {
         if (!isRigid(then)) {
             return;
         }
-        m_work += nearContacts(m_shapes, then, reach, m_settings, m_task.budget, m_then);
+        m_work += nearContacts(m_shapes, then, reach, m_settings, left(), m_then);
         const Pose thenToNow = compose(m_now, inverse(then));  // of points fixed to B, A's frame
         for (SurfaceContact contact : m_then) {
             contact.onB = apply(thenToNow, contact.onB);
@@ -125,6 +151,8 @@ class Sweep {
 
     const PairShapes& m_shapes;
     const PairTask& m_task;
+    Budget m_budget;
+    std::chrono::nanoseconds m_start;
     const PairSettings& m_settings;
     const ContactSet& m_touching;
     Motion m_motionA, m_motionB;
@@ -148,18 +176,34 @@ std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float rea
     return solidContacts(*shapes.modelA->mesh, {shapes.b->getCollisionShape(), toTransform(bInA)}, reach, local, found);
 }
 
-std::uint64_t sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,
-                            const ContactSet& now, ContactSet& ahead) {
+namespace {
+
+/// What the two may approach each other by in the whole step, m.
+btScalar stepApproach(const PairShapes& shapes, const PairTask& task) {
     const btScalar radiusB = shapes.modelB ? btScalar(shapes.modelB->mesh->tree.radius)
                                            : 2 * btScalar(sizeOf(*shapes.b->getCollisionShape()).halfDiagonal);
-    const btScalar bound =
-        approachBound(*shapes.a, btScalar(shapes.modelA->mesh->tree.radius), *shapes.b, radiusB, task.timeStep);
-    const float motion = std::min(static_cast<float>(bound), task.settings->speculativeLimit);
-    if (!(motion > std::max(0.5F * task.size.thickness, settings.maxDistance)) || !std::isfinite(motion)) {
+    return approachBound(*shapes.a, btScalar(shapes.modelA->mesh->tree.radius), *shapes.b, radiusB, task.timeStep);
+}
+
+}  // namespace
+
+float sweptMotion(const PairShapes& shapes, const PairTask& task) {
+    if (!(task.timeStep > 0) || !task.settings->speculative) {
         return 0;
     }
-    const btScalar seconds = task.timeStep * btMin(btScalar(1), btScalar(motion) / bound);
-    return Sweep(shapes, task, settings, now).run(motion, seconds, ahead);
+    const float motion = std::min(static_cast<float>(stepApproach(shapes, task)), task.settings->speculativeLimit);
+    const bool fast = motion > std::max(0.5F * task.size.thickness, task.maxDistance) && std::isfinite(motion);
+    return fast ? motion : 0.0F;
+}
+
+Swept sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings, const Budget& budget,
+                    const ContactSet& now, ContactSet& ahead) {
+    const float motion = sweptMotion(shapes, task);
+    if (!(motion > 0)) {
+        return {};
+    }
+    const btScalar seconds = task.timeStep * btMin(btScalar(1), btScalar(motion) / stepApproach(shapes, task));
+    return Sweep(shapes, task, settings, budget, now).run(motion, seconds, ahead);
 }
 
 }  // namespace detail

@@ -17,10 +17,22 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
+/// What they may approach each other by in the coming step, m, if that is so much that they have to be looked at on the
+/// way; else 0. No bounds, no work.
+[[nodiscard]] float sweptMotion(const PairShapes& shapes, const PairTask& task);
+
+/// Work units that a pair gets beyond its mandatory slice for that, whatever the budget: half of them and more for the
+/// way ahead.
+inline constexpr std::uint64_t sweepSlice = 64;
+
+struct Swept {
+    std::uint64_t work = 0;
+    bool complete = true;  ///< the budget did not end it
+};
 /// Fills `ahead` (points as they are now, A's and B's frames) if the bodies move fast enough. Not where they touch
-/// already: what rolls on a floor needs no contacts with the floor ahead. Returns the work.
-std::uint64_t sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,
-                            const ContactSet& now, ContactSet& ahead);
+/// already: what rolls on a floor needs no contacts with the floor ahead.
+Swept sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSettings& settings, const Budget& budget,
+                    const ContactSet& now, ContactSet& ahead);
 
 /// Local contacts within `reach` for B at a pose in A's frame; appended to `found`. Returns the work.
 std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float reach, const PairSettings& settings,

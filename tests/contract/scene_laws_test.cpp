@@ -101,6 +101,35 @@ TEST(SceneLaws, ABudgetOfWorkGivesTheSameBytesToo) {
     limitInstructionSet(InstructionSet::avx512);
 }
 
+TEST(SceneLaws, ABudgetOfTheFrameGivesTheSameBytesWhateverTheThreadsAndTheInstructionSet) {
+    WorldSettings settings;
+    settings.settings.frameBudget.work = 250;
+    World first = makeScene(settings);
+    int degraded = 0;
+    std::vector<Frame> reference;
+    for (int i = 0; i < steps; ++i) {
+        first.step();
+        const StepStatistics& step = statistics(&first.dispatcher());
+        EXPECT_LE(step.work, std::max(step.budget, step.mandatory));
+        degraded += step.degraded;
+        reference.push_back(first.poses());
+    }
+    EXPECT_GT(degraded, 20) << "the budget is never felt";
+    for (std::size_t body = 1; body <= bodies; ++body) {
+        EXPECT_GT(reference.back()[body].translation.y(), 0) << "body " << body << " has fallen";
+    }
+    const InstructionSet best = instructionSet();
+    for (const InstructionSet set : {best, InstructionSet::scalar, InstructionSet::avx2}) {
+        limitInstructionSet(set);
+        for (const int threads : {1, 2, 4}) {
+            settings.settings.threads = threads;
+            World world = makeScene(settings);
+            EXPECT_TRUE(same(run(world), reference)) << name(instructionSet()) << ", " << threads << " threads";
+        }
+    }
+    limitInstructionSet(best);
+}
+
 TEST(SceneLaws, TwoScenesInTurnsDoNotMeetEachOther) {
     World alone = makeScene();
     const std::vector<Frame> reference = run(alone);

@@ -178,7 +178,9 @@ TEST(PairUpdate, MoreBudgetIsNeverWorseAndEnoughIsTheSameAsUnlimited) {
                 } else {
                     EXPECT_EQ(result.stop, StopReason::budget);
                     EXPECT_LT(work, 2 * all.work);
-                    EXPECT_LT(state.candidateDistance, 0);
+                    if (state.candidateDistance >= 0) {  // all are known, not all tested
+                        EXPECT_EQ(state.candidates, whole.candidates);
+                    }
                 }
             }
             PairState state;
@@ -207,8 +209,64 @@ TEST(PairUpdate, OutOfBudgetKeepsWhatItKnows) {
         EXPECT_NEAR(point.signedDistance, -0.001F, 1e-5);
         EXPECT_EQ(point.age, 5U);
     }
-    EXPECT_TRUE(update(floor, block, posed({0, 0.699F, 0}), coarse(), {}, state).traversed);
+    EXPECT_TRUE(update(floor, block, posed({0, 0.699F, 0}), coarse(), {}, state).certain);
     EXPECT_EQ(idsOf(state), std::vector<std::uint32_t>{1});
+}
+
+/// The smallest slices get to the end, as long as the bodies hardly move: traversal and tests go on where they stopped.
+TEST(PairUpdate, WhatIsCutShortGoesOnInTheNextStep) {
+    for (const Pair& pair : pairs()) {
+        SCOPED_TRACE(pair.name);
+        const Pose pose = onPath(20, pair.height - 0.01F);
+        PairState whole;
+        const PairResult all = update(pair.a, pair.b, pose, {}, {}, whole);
+        ASSERT_GT(all.work, 60U);
+        for (const std::uint64_t slice : {8U, 20U}) {
+            PairState state;
+            std::uint64_t steps = 0;
+            std::uint64_t work = 0;
+            while (state.candidateDistance < 0 && steps < all.work) {
+                work += update(pair.a, pair.b, pose, {}, {.work = slice}, state).work;
+                ++steps;
+            }
+            EXPECT_EQ(state.candidates, whole.candidates) << "after " << steps << " steps of " << slice;
+            EXPECT_LT(work, 4 * all.work);
+            // Half of a slice may go into what is known.
+            for (std::uint64_t round = 0; round < 3 * all.work / (slice / 2 - 3); ++round) {
+                EXPECT_LE(update(pair.a, pair.b, pose, {}, {.work = slice}, state).work, slice);
+            }
+            const auto deepestOf = [](const PairState& of) {
+                float deepest = 1;
+                for (const PersistentPoint& point : pointsOf(of)) {
+                    deepest = std::min(deepest, point.signedDistance);
+                }
+                return deepest;
+            };
+            // The deepest was found on the way. A stand-in or half a cut may go a little deeper.
+            EXPECT_LT(deepestOf(state), deepestOf(whole) + 0.2F * std::abs(deepestOf(whole)) + 1e-4F);
+            EXPECT_GT(deepestOf(state),
+                      std::min(1.2F * deepestOf(whole), 0.0F) - PairSettings().maxDistance / 4 - 1e-3F);
+        }
+    }
+}
+
+TEST(PairUpdate, ACopyOfWhatWasCutShortGoesOnTheSame) {
+    for (const Pair& pair : pairs()) {
+        PairState state;
+        PairState copy;
+        for (int i = 0; i < 30; ++i) {
+            const Pose pose = onPath(0.1F * static_cast<float>(i), pair.height - 0.01F);
+            update(pair.a, pair.b, pose, {}, {.work = 12}, state);
+            if (i == 3) {
+                EXPECT_TRUE(state.traversal.has_value());
+                copy = state;
+            } else if (i > 3) {
+                update(pair.a, pair.b, pose, {}, {.work = 12}, copy);
+                ASSERT_TRUE(sameContacts(state, copy)) << i;
+                EXPECT_EQ(state.candidates, copy.candidates);
+            }
+        }
+    }
 }
 
 std::chrono::nanoseconds injectedTime{0};

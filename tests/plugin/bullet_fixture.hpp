@@ -6,6 +6,8 @@
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -107,22 +109,23 @@ class MeshShape {
 };
 
 /// A world with our algorithms in it. Bodies leave with it, shapes are the caller's.
-class TestWorld {
+template <class AnyDispatcher>
+class WorldWith {
   public:
-    explicit TestWorld(const Settings& settings = {}, bool registered = true) {
+    explicit WorldWith(const Settings& settings = {}, bool registered = true) {
         if (registered) {
             EXPECT_EQ(registerAlgorithms(&dispatcher, settings), Status::ok);
         }
         world.setGravity({0, -9.81_s, 0});
         world.getDispatchInfo().m_deterministicOverlappingPairs = true;
     }
-    ~TestWorld() {
+    ~WorldWith() {
         for (auto& body : bodies) {
             world.removeRigidBody(body.get());
         }
     }
-    TestWorld(const TestWorld&) = delete;
-    TestWorld& operator=(const TestWorld&) = delete;
+    WorldWith(const WorldWith&) = delete;
+    WorldWith& operator=(const WorldWith&) = delete;
 
     /// Mass 0: static. `inertia` of zero: that of the shape by massProperties.
     btRigidBody& add(btCollisionShape& shape, const btTransform& pose, btScalar mass = 0,
@@ -164,12 +167,28 @@ class TestWorld {
     }
 
     btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher{&configuration};
+    AnyDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
     std::vector<std::unique_ptr<btRigidBody>> bodies;
 };
+using TestWorld = WorldWith<btCollisionDispatcher>;
+using BudgetWorld = WorldWith<Dispatcher>;
+
+/// Of all poses, bit by bit.
+template <class World>
+std::uint64_t hashOf(const World& world) {
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (const auto& body : world.bodies) {
+        btScalar matrix[16];
+        body->getWorldTransform().getOpenGLMatrix(matrix);
+        for (const btScalar value : matrix) {
+            hash = (hash ^ std::bit_cast<std::uint64_t>(static_cast<double>(value))) * 0x100000001b3U;
+        }
+    }
+    return hash;
+}
 
 /// What a query found.
 struct Collector : btCollisionWorld::ContactResultCallback {

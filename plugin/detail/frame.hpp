@@ -1,0 +1,74 @@
+// One frame of a dispatcher: what is left of its budget, and how its dispatches share it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include <grapeshot/core/budget.hpp>
+#include <grapeshot/plugin/precision.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+/// Nothing of Bullet in it: pair caches are mere names.
+///
+/// When a frame begins: with `begin`, or by itself with each dispatch of the main cache. That is the first cache that
+/// comes by; a world dispatches its own once in each substep, before its ghosts. Another cache that comes by 16 times
+/// without the main one (a controller does so 5 times at most in a substep) becomes the main one: the world has gone.
+/// After a `begin` frames only begin so.
+class Frame {
+  public:
+    /// A frame of so many dispatches of the main cache (substeps of one stepSimulation): each may take its equal share
+    /// of what is left.
+    void begin(int dispatches, const Budget& budget);
+    /// A dispatch begins. True if a frame begins with it.
+    bool enterDispatch(const void* cache, const Budget& budget);
+
+    [[nodiscard]] std::uint64_t number() const { return m_number; }
+    /// Work units that the dispatch may deal out ahead of Bullet's pass: its share, less what pairs within compounds
+    /// and later dispatches are likely to need, going by the last frame.
+    [[nodiscard]] std::uint64_t dispatchShare() const;
+    /// Of what is left, for one more pair that only turned up in Bullet's pass; its mandatory slice included.
+    [[nodiscard]] Budget latecomerSlice(std::uint64_t mandatory) const;
+
+    void payDispatch(std::uint64_t work, std::uint64_t mandatory);
+    void payLatecomer(std::uint64_t work, std::uint64_t mandatory);
+
+    [[nodiscard]] bool isLimited() const { return m_budget.work != unlimited || m_budget.time != never; }
+    [[nodiscard]] const Budget& budget() const { return m_budget; }
+    [[nodiscard]] std::uint64_t spent() const { return m_spent; }
+    [[nodiscard]] std::uint64_t mandatory() const { return m_mandatory; }
+    [[nodiscard]] int dispatches() const { return m_dispatches; }
+    /// Until the frame's time is up; `never` without a limit of time.
+    [[nodiscard]] std::chrono::nanoseconds timeLeft() const;
+
+  private:
+    struct Tally {
+        std::uint64_t work = 0;
+        std::uint64_t mandatory = 0;
+        std::uint64_t count = 0;
+    };
+    void start(const Budget& budget);
+    [[nodiscard]] std::uint64_t left() const;
+
+    Budget m_budget;
+    std::chrono::nanoseconds m_startTime{0};
+    std::uint64_t m_number = 0;
+    std::uint64_t m_spent = 0;
+    std::uint64_t m_mandatory = 0;
+    int m_dispatches = 0;      // in this frame
+    int m_mainDispatches = 0;  // of these, of the main cache
+    int m_expected = 1;        // main dispatches of the frame
+    bool m_explicit = false;
+    const void* m_main = nullptr;
+    const void* m_other = nullptr;
+    int m_otherCount = 0;
+    bool m_inMain = true;
+    // Per main dispatch: latecomers, and the dispatches of other caches.
+    Tally m_late, m_later, m_lastLate, m_lastLater;
+};
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

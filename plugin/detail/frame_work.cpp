@@ -1,0 +1,167 @@
+#include <grapeshot/plugin/detail/frame_work.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include <grapeshot/narrowphase/schedule.hpp>
+#include <grapeshot/narrowphase/worker_threads.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+constexpr int mostRounds = 4;
+
+class FrameWork {
+  public:
+    FrameWork(std::span<PairProcessor* const> pairs, Frame& frame, const Settings& settings)
+        : m_frame(frame), m_settings(settings) {
+        for (PairProcessor* pair : pairs) {
+            (pair->isSolid() ? m_solids : m_meshes).push_back(pair);
+        }
+        const auto byKey = [](const PairProcessor* x, const PairProcessor* y) { return x->key() < y->key(); };
+        std::stable_sort(m_solids.begin(), m_solids.end(), byKey);
+        std::stable_sort(m_meshes.begin(), m_meshes.end(), byKey);
+    }
+
+    void run() {
+        std::vector<std::uint64_t> slices(m_solids.size(), m_settings.pairBudget.work);
+        compute(m_solids, slices, false);
+        if (m_frame.isLimited()) {
+            runMeshes();
+        } else {
+            slices.assign(m_meshes.size(), m_settings.pairBudget.work);
+            compute(m_meshes, slices, false);
+        }
+        std::uint64_t work = 0;
+        std::uint64_t mandatory = 0;
+        for (const auto* group : {&m_solids, &m_meshes}) {
+            for (PairProcessor* pair : *group) {
+                pair->settle();
+                work += pair->share().result.work;
+                mandatory += pair->share().mandatory;
+            }
+        }
+        m_frame.payDispatch(work, mandatory);
+    }
+
+  private:
+    void runMeshes() {
+        describe();
+        const std::uint64_t share = m_frame.dispatchShare();
+        std::vector<PairProcessor*> open = m_meshes;
+        for (int round = 0; round < mostRounds && !open.empty(); ++round) {
+            const std::uint64_t left = share == unlimited ? unlimited : share - std::min(share, spent());
+            if (round > 0 && (left == 0 || m_frame.timeLeft() <= std::chrono::nanoseconds(0))) {
+                break;
+            }
+            std::vector<std::uint64_t> slices(open.size());
+            if (left == unlimited) {
+                // A limit of time alone: everybody begins with the mandatory slice.
+                for (std::size_t i = 0; i < open.size(); ++i) {
+                    slices[i] = round == 0 ? m_scheduled[i].mandatory : unlimited;
+                }
+            } else {
+                schedule(m_scheduled, left, slices);
+            }
+            limitByPair(open, slices);
+            compute(open, slices, round > 0);
+            keepOpen(open);
+        }
+    }
+
+    void describe() {
+        std::vector<PairTraits> traits;
+        for (const PairProcessor* pair : m_meshes) {
+            traits.push_back(pair->traits());
+        }
+        std::vector<float> importance(traits.size());
+        importanceOf(traits, importance);
+        for (std::size_t i = 0; i < m_meshes.size(); ++i) {
+            const PairProcessor& pair = *m_meshes[i];
+            m_scheduled.push_back({pair.key(), importance[i], pair.age(), pair.mandatory(), pair.wanted()});
+        }
+    }
+
+    [[nodiscard]] std::uint64_t spent() const {
+        std::uint64_t sum = 0;
+        for (const auto* group : {&m_solids, &m_meshes}) {
+            for (const PairProcessor* pair : *group) {
+                sum += pair->share().result.work;
+            }
+        }
+        return sum;
+    }
+
+    void limitByPair(const std::vector<PairProcessor*>& open, std::vector<std::uint64_t>& slices) const {
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            const std::uint64_t most = m_settings.pairBudget.work;
+            slices[i] = std::min(slices[i], most - std::min(most, open[i]->share().result.work));
+        }
+    }
+
+    /// Leaves those that were cut short and may go on.
+    void keepOpen(std::vector<PairProcessor*>& open) {
+        std::vector<PairProcessor*> next;
+        std::vector<ScheduledPair> scheduled;
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            if (open[i]->wasCutShort() && open[i]->share().result.work < m_settings.pairBudget.work) {
+                next.push_back(open[i]);
+                scheduled.push_back(m_scheduled[i]);
+                scheduled.back().mandatory = 0;
+                scheduled.back().wanted = unlimited;
+            }
+        }
+        open.swap(next);
+        m_scheduled.swap(scheduled);
+    }
+
+    /// A pair's time: in the first round none but its own limit, so that each gets its mandatory slice done; then in
+    /// proportion to its importance.
+    void compute(const std::vector<PairProcessor*>& pairs, const std::vector<std::uint64_t>& slices, bool timed) {
+        timed = timed && m_frame.budget().time != never;
+        double weight = 0;
+        for (const ScheduledPair& pair : m_scheduled) {
+            weight += timed ? double{pair.importance} * (1.0 + pair.age) : 0.0;
+        }
+        const auto all = static_cast<double>(m_frame.timeLeft().count()) * m_settings.threads;
+        const auto one = [&](std::size_t i) {
+            Budget budget = m_settings.pairBudget;
+            budget.work = slices[i];
+            if (timed) {
+                const double part = double{m_scheduled[i].importance} * (1.0 + m_scheduled[i].age) / weight;
+                const auto mine = std::chrono::nanoseconds(static_cast<std::int64_t>(all * part));
+                budget.time = std::min({budget.time, mine, m_frame.timeLeft()});
+                budget.clock = m_frame.budget().clock;
+            }
+            pairs[i]->compute(budget);
+        };
+        std::vector<std::size_t> anywhere;
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (pairs[i]->needsBullet()) {
+                one(i);
+            } else {
+                anywhere.push_back(i);
+            }
+        }
+        forEach(anywhere.size(), m_settings.threads, [&](std::size_t i) { one(anywhere[i]); });
+    }
+
+    Frame& m_frame;
+    const Settings& m_settings;
+    std::vector<PairProcessor*> m_solids, m_meshes;
+    std::vector<ScheduledPair> m_scheduled;  // of those that are open
+};
+
+}  // namespace
+
+void computeFrame(std::span<PairProcessor* const> pairs, Frame& frame, const Settings& settings) {
+    FrameWork(pairs, frame, settings).run();
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,225 @@
+// The budget of a frame in whole scenes: held in every step, and nobody lost.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "bullet_fixture.hpp"
+
+namespace grapeshot::test {
+namespace {
+
+/// A dozen bumpy balls and tori in a pit of four walls on a mesh floor.
+struct Pile {
+    MeshShape ball{scenes::bumpySphere(0.4F, 0.08F, 5, 10), Kind::mesh, 0.02_s};
+    MeshShape torus{scenes::torus(0.4F, 0.15F, 32, 16), Kind::bvh, 0.02_s};
+    MeshShape floor{scenes::box({1.5F, 0.5F, 1.5F}, 12), Kind::bvh, 0.02_s};
+    MeshShape wall{scenes::box({0.5F, 4, 2.5F}, 6), Kind::bvh, 0.02_s};
+    static constexpr int count = 12;
+
+    template <class World>
+    void fill(World& world) const {
+        world.add(*floor, at({0, -0.5_s, 0}));
+        for (int side = 0; side < 4; ++side) {
+            const btQuaternion turn({0, 1, 0}, SIMD_HALF_PI * btScalar(side));
+            world.add(*wall, at(quatRotate(turn, {1.7_s, 3, 0}), turn));
+        }
+        for (int i = 0; i < count; ++i) {
+            const MeshShape& shape = i % 2 == 0 ? ball : torus;
+            btRigidBody& body = world.add(
+                *shape,
+                at({0.5_s * btScalar(i % 3) - 0.5_s, 0.6_s + 0.45_s * btScalar(i), 0.4_s * btScalar(i % 4) - 0.6_s},
+                   btQuaternion({1, 0.3_s, 0.1_s}, btScalar(i))),
+                1 + btScalar(i % 3));
+            body.setActivationState(DISABLE_DEACTIVATION);
+        }
+    }
+    template <class World>
+    static int lost(const World& world) {
+        return static_cast<int>(std::count_if(world.bodies.begin(), world.bodies.end(), [](const auto& body) {
+            return body->getInvMass() > 0 && !(body->getWorldTransform().getOrigin().y() > 0.05_s);
+        }));
+    }
+};
+
+constexpr int steps = 240;
+
+std::uint64_t workUnbudgeted(const Pile& pile) {
+    BudgetWorld world;
+    pile.fill(world);
+    std::uint64_t work = 0;
+    for (int i = 0; i < steps; ++i) {
+        world.step();
+        work += world.stats().work;
+    }
+    EXPECT_EQ(Pile::lost(world), 0);
+    return work / steps;
+}
+
+TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
+    const Pile pile;
+    const std::uint64_t whole = workUnbudgeted(pile);
+    ASSERT_GT(whole, 400U);
+    for (const std::uint64_t part : {4U, 20U}) {
+        Settings settings;
+        settings.frameBudget.work = whole / part;
+        BudgetWorld world(settings);
+        pile.fill(world);
+        int degraded = 0;
+        btScalar fastest = 0;
+        float deepest = 0;
+        std::uint64_t work = 0;
+        for (int i = 0; i < steps; ++i) {
+            world.step();
+            const StepStatistics& s = world.stats();
+            ASSERT_LE(s.work, std::max(s.budget, s.mandatory)) << "step " << i;
+            EXPECT_EQ(s.budget, whole / part);
+            EXPECT_LE(s.mandatory, s.pairs.size() * 88);
+            work += s.work;
+            degraded += s.degraded;
+            if (i > 60) {
+                deepest = std::max(deepest, s.deepest);
+            }
+            for (const auto& body : world.bodies) {
+                fastest = btMax(fastest, body->getLinearVelocity().length());
+            }
+        }
+        EXPECT_EQ(Pile::lost(world), 0) << "1/" << part;
+        EXPECT_GT(degraded, 10);
+        EXPECT_GT(work, 0U);
+        EXPECT_LT(fastest, 12) << "1/" << part;  // the fall from the top is 10 m/s
+        EXPECT_LT(deepest, 0.15F) << "1/" << part;
+    }
+}
+
+TEST(FrameBudget, AZeroBudgetIsTheMandatorySlicesAlone) {
+    const Pile pile;
+    Settings settings;
+    settings.frameBudget.work = 0;
+    BudgetWorld world(settings);
+    pile.fill(world);
+    int degraded = 0;
+    for (int i = 0; i < steps; ++i) {
+        world.step();
+        ASSERT_LE(world.stats().work, world.stats().mandatory);
+        degraded += world.stats().degraded;
+        for (const PairStatistics& pair : world.stats().pairs) {
+            EXPECT_LE(pair.work, pair.slice);
+            EXPECT_TRUE(pair.slice == 8 || pair.slice == 24 || pair.slice == 88) << pair.slice;
+            EXPECT_EQ(pair.certain, pair.stop == StopReason::certain);
+        }
+    }
+    EXPECT_GT(degraded, 100);
+    EXPECT_EQ(Pile::lost(world), 0);
+}
+
+TEST(FrameBudget, ABlockStaysOnTheFloorWithoutAny) {
+    const MeshShape block(scenes::box({0.4F, 0.2F, 0.4F}, 10), Kind::mesh, 0.01_s);
+    const MeshShape floor(scenes::grid(3, 3, 40, 40), Kind::bvh, 0.01_s);
+    Settings settings;
+    settings.frameBudget.work = 0;
+    BudgetWorld world(settings);
+    world.add(*floor, at({0, 0, 0}));
+    btRigidBody& body = world.add(*block, at({0, 0.4_s, 0}, btQuaternion({0, 0, 1}, 0.1_s)), 1);
+    body.setActivationState(DISABLE_DEACTIVATION);
+    world.step(300);
+    EXPECT_NEAR(body.getWorldTransform().getOrigin().y(), 0.22, 0.05);
+    EXPECT_LT(body.getLinearVelocity().length(), 0.5);
+}
+
+/// Whoever is cut short gets on: none of the pairs waits for ever.
+TEST(FrameBudget, NoPairWaitsForEver) {
+    const Pile pile;
+    Settings settings;
+    settings.frameBudget.work = 1800;  // a few hundred above the mandatory slices
+    BudgetWorld world(settings);
+    pile.fill(world);
+    std::uint32_t longest = 0;
+    for (int i = 0; i < steps; ++i) {
+        world.step();
+        longest = std::max(longest, world.stats().longestWait);
+        for (const PairStatistics& pair : world.stats().pairs) {
+            EXPECT_LE(pair.age, world.stats().longestWait);
+        }
+    }
+    EXPECT_LT(longest, 20U);
+}
+
+float weightOfHeavy(const btCollisionObject& first, const btCollisionObject& second) noexcept {
+    return first.getUserIndex() == 7 || second.getUserIndex() == 7 ? 1000.0F : 1.0F;
+}
+
+TEST(FrameBudget, TheProgramsWeightCounts) {
+    const MeshShape ball(scenes::bumpySphere(0.5F, 0.1F, 7, 24), Kind::mesh);
+    std::array<std::uint64_t, 2> slices{};
+    for (const bool weighted : {false, true}) {
+        Settings settings;
+        settings.frameBudget.work = 200;
+        settings.pairWeight = weighted ? weightOfHeavy : nullptr;
+        BudgetWorld world(settings);
+        for (int i = 0; i < 5; ++i) {
+            world.add(*ball, at({2 * btScalar(i), 0, 0})).setUserIndex(i == 3 ? 7 : i);
+            world.add(*ball, at({2 * btScalar(i) + 0.03_s, 0.8_s, 0.02_s}), 1);
+        }
+        world.step();
+        ASSERT_EQ(world.stats().pairs.size(), 5U);
+        for (const PairStatistics& pair : world.stats().pairs) {
+            if (world.bodies[6]->getBroadphaseHandle()->getUid() == pair.proxyA) {
+                slices[weighted ? 1 : 0] = pair.slice;
+            }
+        }
+        EXPECT_LE(world.stats().work, 200U);
+    }
+    EXPECT_LT(slices[0], 60U);
+    EXPECT_GT(slices[1], 90U);
+}
+
+std::chrono::nanoseconds clockNow{0};
+std::chrono::nanoseconds tickingClock() noexcept {
+    return clockNow += std::chrono::microseconds(1);
+}
+
+TEST(FrameBudget, TimeIsASecondStopByTheGivenClock) {
+    const Pile pile;
+    std::array<std::uint64_t, 3> work{};
+    const std::array times{std::chrono::microseconds(0), std::chrono::microseconds(300),
+                           std::chrono::microseconds(1000000)};
+    for (std::size_t k = 0; k < times.size(); ++k) {
+        Settings settings;
+        settings.frameBudget.time = times[k];
+        settings.frameBudget.clock = tickingClock;
+        BudgetWorld world(settings);
+        pile.fill(world);
+        for (int i = 0; i < 120; ++i) {
+            world.step();
+            work[k] += world.stats().work;
+            if (k == 0) {
+                ASSERT_LE(world.stats().work, world.stats().mandatory);
+            }
+        }
+        EXPECT_EQ(Pile::lost(world), 0);
+    }
+    EXPECT_LT(work[0], work[1]);
+    EXPECT_LT(work[1], work[2]);
+}
+
+TEST(FrameBudget, SeveralSubstepsShareAFrameOfTheProgram) {
+    const Pile pile;
+    Settings settings;
+    settings.frameBudget.work = 3000;
+    BudgetWorld world(settings);
+    pile.fill(world);
+    for (std::uint64_t i = 0; i < 40; ++i) {
+        world.dispatcher.beginFrame(4);
+        world.world.stepSimulation(1.0_s / 60, 4, 1.0_s / 240);
+        const StepStatistics& s = world.stats();
+        EXPECT_EQ(s.step, i + 1);
+        EXPECT_EQ(s.dispatches, i == 0 ? 4 : s.dispatches);
+        EXPECT_GE(s.dispatches, 3);
+        EXPECT_LE(s.work, std::max(s.budget, s.mandatory));
+    }
+    EXPECT_EQ(Pile::lost(world), 0);
+}
+
+}  // namespace
+}  // namespace grapeshot::test
