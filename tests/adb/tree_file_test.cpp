@@ -72,7 +72,11 @@ TEST_F(TreeFile, ComesBackByteForByte) {
     EXPECT_EQ(loaded.lower, tree.lower);
     EXPECT_EQ(loaded.upper, tree.upper);
     EXPECT_EQ(loaded.radius, tree.radius);
-    EXPECT_EQ(std::memcmp(&loaded.whole, &tree.whole, sizeof(WholeSurface)), 0);
+    EXPECT_EQ(loaded.whole.unit, tree.whole.unit);
+    EXPECT_TRUE(std::ranges::equal(loaded.whole.mean, tree.whole.mean));
+    for (std::size_t column = 0; column < 3; ++column) {
+        EXPECT_TRUE(std::ranges::equal(loaded.whole.covariance[column], tree.whole.covariance[column]));
+    }
     EXPECT_THAT(findings(loaded), testing::IsEmpty());
 }
 

@@ -331,8 +331,10 @@ TEST(ContactEstimate, FewStepsFindMostOfTheContact) {
     }
 }
 
-TEST(ContactEstimate, ARegionsProbabilityIsNearTheShareThatIsTrue) {
-    // By length, on full samples: 0.959 expected and 0.952 true, 0.975 and 0.977, 0.904 and 0.952.
+TEST(ContactEstimate, ARegionsProbabilityDoesNotClaimTooMuch) {
+    // The calibration asks for a true region within the spacing and the cone (`grapeshot_bench contacts` holds it to
+    // that); here a region counts that lies on the true curve, so more are right than it says: by length 0.94 for 0.68
+    // after 8 steps, 0.97 for 0.82 after 32, 0.96 for 0.81 after 128.
     for (const std::uint64_t steps : {8, 32, 128}) {
         double expected = 0, right = 0, length = 0;
         double unlikelyRight = 0, unlikelyLength = 0;
@@ -353,11 +355,10 @@ TEST(ContactEstimate, ARegionsProbabilityIsNearTheShareThatIsTrue) {
         });
         ASSERT_GT(length, 30);
         ASSERT_GT(unlikelyLength, 1);
-        EXPECT_NEAR(expected / length, right / length, 0.08) << steps;
-        // Those below one half are true more often than they say: on full samples 0.49 for 0.24, 0.47 for 0.21 and 0.56
-        // for 0.23.
+        EXPECT_LE(expected / length, right / length + 0.05) << steps;
+        EXPECT_GE(expected / length, 0.5) << steps;
         EXPECT_GE(unlikelyRight / unlikelyLength, 0.2) << steps;
-        EXPECT_LE(unlikelyRight / unlikelyLength, 0.7) << steps;
+        EXPECT_LE(unlikelyRight / unlikelyLength, 0.85) << steps;
     }
 }
 

@@ -164,7 +164,7 @@ void expectSummary(const CrossingRegion& region, const std::vector<CurvePiece>& 
     } else {
         // A part of the pieces had its part of the steps.
         const std::uint64_t own = std::max<std::uint64_t>(steps * members.size() / pieces.size(), 1);
-        EXPECT_NEAR(region.probability, probabilityAfter(defaultCalibration(), std::max(rate, 1e-30F), own), 1e-4);
+        EXPECT_NEAR(region.probability, probabilityOfRegion(defaultCalibration(), std::max(rate, 1e-30F), own), 1e-4);
         EXPECT_GT(region.probability, 0);
         EXPECT_LT(region.probability, 1);
     }
