@@ -74,8 +74,8 @@ struct Query::State {
         const Calibration* calibration = nullptr;
         float acceptAt = 0;
         float rejectAt = 0;
-        float wholeYes = 0;                          ///< D^2 of the whole surfaces: yes up to here
-        float wholeNo = 0;                           ///< no from here on
+        float wholeYes = 0;  ///< D^2 of the whole surfaces: yes up to here
+        float wholeNo = 0;   ///< no from here on
         detail::RateLimits rates = detail::noLimits;
         detail::RateLimits onlyNo = detail::noLimits;  ///< rates without the limits for yes
         void workOut();

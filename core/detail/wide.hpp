@@ -2,8 +2,8 @@
 // and the scalar twin (plain C++). A kernel is written once with it and compiled three times.
 //
 // Every operation is one IEEE operation per lane, so results agree bit for bit as long as the build forbids the
-// contraction of a * b + c (-ffp-contract=off). There is no reciprocal approximation, no sum across lanes, and no fused multiply-add (the
-// estimate has one of its own, in adb/detail/fused.hpp).
+// contraction of a * b + c (-ffp-contract=off). There is no reciprocal approximation, no sum across lanes, and no fused
+// multiply-add (the estimate has one of its own, in adb/detail/fused.hpp).
 //
 // How to write a kernel, in a file my_kernel.cpp that is compiled once per instruction set:
 //

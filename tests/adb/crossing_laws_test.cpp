@@ -6,29 +6,18 @@
 
 #include <grapeshot/adb/crossing.hpp>
 #include <support/poses.hpp>
-#include <support/test_size.hpp>
 
 #include "crossings.hpp"
 #include "meshes.hpp"
-#include "pair_cases.hpp"
 
 namespace grapeshot::test {
 namespace {
-
-/// None of these meshes is one that the calibration was fitted on.
-const std::vector<PairCase>& cases() {
-    static const std::vector<PairCase> all =
-        pairCases({scenes::bumpySphere(1, 0.25F, 6, 10), scenes::torusKnot(3, 4, 1, 0.5F, 0.17F, 120, 10),
-                   scenes::gear(1, 0.2F, 0.3F, 0.3F, 12, 2)},
-                  6, static_cast<int>(sampleSize(8, 100)), 17);
-    return all;
-}
 
 TEST(CrossingLaws, StoppedAndResumedEndsTheSame) {
     Random random(2);
     int crossingPoses = 0;
     int apart = 0;
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : crossingCases()) {
         CrossingQuery whole(pair.a, pair.b);
         CrossingQuery pieces(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {
@@ -64,7 +53,7 @@ TEST(CrossingLaws, StoppedAndResumedEndsTheSame) {
 
 TEST(CrossingLaws, WhereItWasStoppedDoesNotMatter) {
     Random random(3);
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : crossingCases()) {
         CrossingQuery query(pair.a, pair.b);
         for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
             const std::uint64_t work = 1 + random.bits() % 100;
@@ -79,7 +68,7 @@ TEST(CrossingLaws, WhereItWasStoppedDoesNotMatter) {
 }
 
 TEST(CrossingLaws, ACopyResumesOnItsOwn) {
-    const PairCase& pair = cases()[0];
+    const PairCase& pair = crossingCases()[0];
     int resumed = 0;
     for (std::size_t i = 0; i < pair.poses.size(); i += 3) {
         CrossingQuery original(pair.a, pair.b);
@@ -114,7 +103,7 @@ TEST(CrossingLaws, ACopyResumesOnItsOwn) {
 TEST(CrossingLaws, SameBytesOnEveryInstructionSet) {
     const InstructionSetGuard guard;
     const std::vector<InstructionSet> sets = instructionSets();
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : crossingCases()) {
         std::vector<Crossing> first;
         for (const InstructionSet set : sets) {
             limitInstructionSet(set);
@@ -161,7 +150,7 @@ void expectSameCurve(const Crossing& here, const Crossing& there, const Pose& to
 
 TEST(CrossingLaws, SwappedBodiesCrossAlike) {
     std::size_t compared = 0;
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : crossingCases()) {
         for (const Pose& pose : pair.poses) {
             const Crossing here = exactCrossing(pair.a, pair.b, pose);
             const Crossing there = exactCrossing(pair.b, pair.a, inverse(pose));
@@ -175,16 +164,11 @@ TEST(CrossingLaws, SwappedBodiesCrossAlike) {
 TEST(CrossingLaws, MovingBothBodiesMovesTheCurve) {
     Random random(6);
     std::size_t compared = 0;
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : crossingCases()) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 8) {
             const Pose frame{random.rotation(), random.direction()};
-            std::vector<Eigen::Vector3f> vertices;
-            for (const Eigen::Vector3f& vertex : pair.a.vertices) {
-                vertices.push_back(apply(frame, vertex));
-            }
-            const Tree moved = build({vertices, pair.a.triangles});
             const Crossing here = exactCrossing(pair.a, pair.b, pair.poses[i]);
-            const Crossing there = exactCrossing(moved, pair.b, compose(frame, pair.poses[i]));
+            const Crossing there = exactCrossing(moved(pair.a, frame), pair.b, compose(frame, pair.poses[i]));
             expectSameCurve(here, there, inverse(frame), false);
             compared += here.pieces.size();
         }

@@ -15,19 +15,9 @@
 
 #include "crossings.hpp"
 #include "meshes.hpp"
-#include "pair_cases.hpp"
 
 namespace grapeshot::test {
 namespace {
-
-/// None of these meshes is one that the calibration was fitted on.
-const std::vector<PairCase>& cases() {
-    static const std::vector<PairCase> all =
-        pairCases({scenes::bumpySphere(1, 0.25F, 6, 10), scenes::torusKnot(3, 4, 1, 0.5F, 0.17F, 120, 10),
-                   scenes::gear(1, 0.2F, 0.3F, 0.3F, 12, 2)},
-                  6, static_cast<int>(sampleSize(8, 100)), 17);
-    return all;
-}
 
 double borderline(const Tree& a, const Tree& b, const Pose& pose) {
     return 1e-6 * (double{a.radius} + b.radius + pose.translation.cast<double>().norm());
@@ -113,7 +103,7 @@ TEST(Crossing, ExpectedLengthIsNearTheTrueOne) {
     // Expected over true; on full samples 0.85 to 1.24, 0.90 to 1.13 and 0.93 to 1.07, with medians 1.01, 1.00, 1.00.
     for (const auto& [work, low, high] : {Bound{8, 0.75, 1.6}, Bound{32, 0.8, 1.3}, Bound{128, 0.85, 1.15}}) {
         std::vector<double> ratios;
-        for (const PairCase& pair : cases()) {
+        for (const PairCase& pair : crossingCases()) {
             for (const Pose& pose : pair.poses) {
                 const double truth = totalLength(exactCrossing(pair.a, pair.b, pose));
                 if (truth > 0.2) {  // of meshes of diagonal 2
@@ -197,7 +187,7 @@ TEST(Crossing, MoreThanTheCutHoldsEndsTheSame) {
 
 TEST(Crossing, LeavesOutTheShortest) {
     std::size_t leftOut = 0;
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : crossingCases()) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 2) {
             for (const std::uint64_t work : {3, 30, 150}) {
                 const Crossing all = crossingAfter(pair.a, pair.b, pair.poses[i], work, 0);

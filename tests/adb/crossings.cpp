@@ -3,7 +3,19 @@
 #include <cmath>
 #include <cstring>
 
+#include <support/test_size.hpp>
+
+#include "meshes.hpp"
+
 namespace grapeshot::test {
+
+const std::vector<PairCase>& crossingCases() {
+    static const std::vector<PairCase> all =
+        pairCases({scenes::bumpySphere(1, 0.25F, 6, 10), scenes::torusKnot(3, 4, 1, 0.5F, 0.17F, 120, 10),
+                   scenes::gear(1, 0.2F, 0.3F, 0.3F, 12, 2)},
+                  6, static_cast<int>(sampleSize(8, 100)), 17);
+    return all;
+}
 
 bool samePieces(const Crossing& a, const Crossing& b) {
     static_assert(sizeof(CurvePiece) == 12 * sizeof(float), "has no padding");

@@ -7,7 +7,12 @@
 
 #include <grapeshot/adb/crossing.hpp>
 
+#include "pair_cases.hpp"
+
 namespace grapeshot::test {
+
+/// Made once. None of these meshes is one that the calibration was fitted on.
+const std::vector<PairCase>& crossingCases();
 
 /// To the last bit, but for the work if it is the end that counts.
 bool samePieces(const Crossing& a, const Crossing& b);

@@ -15,6 +15,14 @@ std::vector<PairCase> pairCases(const ThreeMeshes& meshes, int distances, int pe
     return out;
 }
 
+Tree moved(const Tree& tree, const Pose& frame) {
+    std::vector<Eigen::Vector3f> vertices;
+    for (const Eigen::Vector3f& vertex : tree.vertices) {
+        vertices.push_back(apply(frame, vertex));
+    }
+    return build({vertices, tree.triangles});
+}
+
 bool same(const Decision& a, const Decision& b) {
     return a.collides == b.collides && a.certain == b.certain && a.stop == b.stop && a.work == b.work &&
            a.witness == b.witness && a.probability == b.probability;

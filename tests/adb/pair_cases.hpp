@@ -20,6 +20,9 @@ struct ThreeMeshes {
 };
 std::vector<PairCase> pairCases(const ThreeMeshes& meshes, int distances, int perDistance, std::uint64_t seed);
 
+/// The same surface in another frame: `frame` takes the old coordinates to the new ones. Built anew.
+Tree moved(const Tree& tree, const Pose& frame);
+
 /// To the last bit.
 bool same(const Decision& a, const Decision& b);
 

@@ -75,12 +75,8 @@ TEST(Laws, MovingBothBodiesChangesNothing) {
     for (std::size_t i = 0; i < pair.poses.size(); i += 8) {
         // The same surfaces, A's in another frame.
         const Pose frame{random.rotation(), random.direction()};
-        std::vector<Eigen::Vector3f> vertices;
-        for (const Eigen::Vector3f& vertex : pair.a.vertices) {
-            vertices.push_back(apply(frame, vertex));
-        }
-        const Tree moved = build({vertices, pair.a.triangles});
-        Query movedQuery(moved, pair.b);
+        const Tree movedA = moved(pair.a, frame);
+        Query movedQuery(movedA, pair.b);
         const Pose movedPose = compose(frame, pair.poses[i]);
         if (query.decide(pair.poses[i], DecideSettings::exact()).collides !=
             movedQuery.decide(movedPose, DecideSettings::exact()).collides) {
