@@ -16,13 +16,6 @@ std::uint64_t saturatedSum(std::uint64_t x, std::uint64_t y) {
     return x > unlimited - y ? unlimited : x + y;
 }
 
-double weightOf(const ScheduledPair& pair) {
-    const auto importance = static_cast<double>(pair.importance);
-    const double held =
-        importance > leastImportance ? std::min(importance, mostImportance) : leastImportance;  // a NaN is the least
-    return held * (1.0 + static_cast<double>(pair.age));
-}
-
 /// A pair that may get portions; the quotient weight / (dealt + 1) says whose turn it is.
 struct Claim {
     std::size_t index = 0;
@@ -103,6 +96,13 @@ std::uint64_t dealBulk(std::uint64_t portions, std::vector<Claim>& claims) {
 }
 
 }  // namespace
+
+double weightOf(const ScheduledPair& pair) noexcept {
+    const auto importance = static_cast<double>(pair.importance);
+    const double held =
+        importance > leastImportance ? std::min(importance, mostImportance) : leastImportance;  // a NaN is the least
+    return held * (1.0 + static_cast<double>(pair.age));
+}
 
 ScheduleSums schedule(std::span<const ScheduledPair> pairs, std::uint64_t budget, std::span<std::uint64_t> slices) {
     assert(pairs.size() == slices.size());

@@ -35,6 +35,9 @@ struct ScheduledPair {
     std::uint64_t wanted = unlimited;
 };
 
+/// What a pair's share of the rest goes by: importance, as held, times (1 + age). Positive and finite.
+[[nodiscard]] double weightOf(const ScheduledPair& pair) noexcept;
+
 struct ScheduleSums {
     std::uint64_t mandatory = 0;  ///< sum of the mandatory slices
     std::uint64_t slices = 0;     ///< sum of all slices; `unlimited` if one of them is
@@ -44,7 +47,7 @@ struct ScheduleSums {
 /// - every pair gets its mandatory slice, and no more than `wanted`;
 /// - the sum is at most max(budget, sum of the mandatory slices);
 /// - of a larger budget no pair gets less; with `unlimited` each gets `unlimited`;
-/// - the rest goes by importance * (1 + age), in proportion up to a portion. So a pair waits for at most about (number
+/// - the rest goes by weightOf, in proportion up to a portion. So a pair waits for at most about (number
 ///   of pairs) * (largest importance / its own) steps for work beyond its slice, if there is any;
 /// - which pair gets what does not depend on the order of `pairs`.
 /// O(n log n), whatever the budget.

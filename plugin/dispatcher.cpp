@@ -5,7 +5,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <LinearMath/btQuickprof.h>
 
-#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <grapeshot/plugin/detail/context.hpp>
@@ -51,7 +51,7 @@ void collect(btCollisionDispatcher& dispatcher, btOverlappingPairCache& cache, c
             continue;
         }
         PairProcessor* processor = processorOf(pair, *first, *second, dispatcher);
-        if (processor != nullptr && processor->prepare(*first, *second, info)) {
+        if (processor != nullptr && processor->isOf(context) && processor->prepare(*first, *second, info)) {
             pairs.push_back(processor);
         }
     }
@@ -70,7 +70,7 @@ DispatchPhases::DispatchPhases(btCollisionDispatcher& dispatcher, btOverlappingP
         if (m_context->frame.enterDispatch(cache, m_context->settings.frameBudget)) {
             m_context->beginStep();
         }
-        m_context->dispatching = true;
+        m_nested = std::exchange(m_context->dispatching, true);
         if (info.m_dispatchFunc == btDispatcherInfo::DISPATCH_DISCRETE) {
             std::vector<PairProcessor*> pairs;
             {
@@ -90,7 +90,7 @@ DispatchPhases::DispatchPhases(btCollisionDispatcher& dispatcher, btOverlappingP
 
 DispatchPhases::~DispatchPhases() {
     if (m_context) {
-        m_context->dispatching = false;
+        m_context->dispatching = m_nested;
         m_context->reportFrame();
     }
 }

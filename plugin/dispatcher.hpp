@@ -29,13 +29,15 @@ class DispatchPhases {
 
   private:
     std::shared_ptr<Context> m_context;  // null: not registered
+    bool m_nested = false;               // a callback of another dispatch has called this one
 };
 void beginFrame(const btCollisionDispatcher& dispatcher, int dispatches) noexcept;
 }  // namespace detail
 
 /// Takes the place of `Base`, a btCollisionDispatcher or a subclass with any constructor, which stays as it is: its
-/// near callback, needsCollision and so on are called as before. Registers our algorithms (as registerAlgorithms does);
-/// call registerAlgorithms for other settings, of which frameBudget and threads are for dispatchers like this alone.
+/// near callback, needsCollision (once more for each pair of ours) and so on are called as before. Registers our
+/// algorithms (as registerAlgorithms does); call registerAlgorithms for other settings, of which frameBudget and
+/// threads are for dispatchers like this alone.
 ///
 /// A dispatch has three phases. Serial: the pairs of meshes are collected, with their poses. Parallel: their contacts
 /// are computed, each pair within its slice of the budget. Serial: Bullet's own pass over all pairs, in its order;
@@ -56,8 +58,10 @@ class BasicDispatcher : public Base {
 
   public:
     template <class... Arguments>
-    requires std::is_constructible_v<Base, Arguments...>
-    explicit BasicDispatcher(Arguments&&... arguments) : Base(std::forward<Arguments>(arguments)...) {
+    requires(std::is_constructible_v<Base, Arguments...> &&
+             (!std::is_same_v<std::remove_cvref_t<Arguments>, BasicDispatcher> &&
+              ...)) explicit BasicDispatcher(Arguments&&... arguments)
+        : Base(std::forward<Arguments>(arguments)...) {
         m_status = registerAlgorithms(this);
     }
     ~BasicDispatcher() override { unregisterAlgorithms(this); }

@@ -43,6 +43,7 @@ Status unregisterAlgorithms(btCollisionDispatcher* dispatcher) noexcept {
             Contexts::instance().remove(dispatcher, false);  // another dispatcher lived at this address
             return Status::notRegistered;
         }
+        context->framed = false;  // pairs that exist go on as with any dispatcher
         const bool allHeld = context->uninstall(*dispatcher);
         Contexts::instance().remove(dispatcher, !allHeld);
         return Status::ok;

@@ -8,7 +8,7 @@ namespace detail {
 
 namespace {
 
-constexpr int mainIsGone = 16;  // dispatches of another cache
+constexpr int mainIsGone = 16;  // dispatches of others
 
 std::chrono::nanoseconds nowBy(const Budget& budget) {
     return budget.clock != nullptr ? budget.clock()
@@ -39,14 +39,14 @@ bool Frame::enterDispatch(const void* cache, const Budget& budget) {
     if (m_main == nullptr) {
         m_main = cache;
     }
-    m_otherCount = cache == m_main ? 0 : (cache == m_other ? m_otherCount + 1 : 1);
-    m_other = cache;
-    if (m_otherCount > mainIsGone) {
+    m_sinceMain = cache == m_main ? 0 : m_sinceMain + 1;
+    if (m_sinceMain > mainIsGone) {
         m_main = cache;
+        m_sinceMain = 0;
     }
     m_inMain = cache == m_main;
     const bool begins = !m_explicit && m_inMain;
-    if (begins || m_number == 0) {
+    if (begins) {
         start(budget);
     }
     if (m_inMain) {

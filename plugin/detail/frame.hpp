@@ -14,9 +14,9 @@ namespace detail {
 /// Nothing of Bullet in it: pair caches are mere names.
 ///
 /// When a frame begins: with `begin`, or by itself with each dispatch of the main cache. That is the first cache that
-/// comes by; a world dispatches its own once in each substep, before its ghosts. Another cache that comes by 16 times
-/// without the main one (a controller does so 5 times at most in a substep) becomes the main one: the world has gone.
-/// After a `begin` frames only begin so.
+/// comes by; a world dispatches its own once in each substep, before its ghosts. When others have come by 16 times
+/// without it (a controller does so 5 times at most in a substep), the next one becomes the main one: the world has
+/// gone. After a `begin` frames only begin so.
 class Frame {
   public:
     /// A frame of so many dispatches of the main cache (substeps of one stepSimulation): each may take its equal share
@@ -62,8 +62,7 @@ class Frame {
     int m_expected = 1;        // main dispatches of the frame
     bool m_explicit = false;
     const void* m_main = nullptr;
-    const void* m_other = nullptr;
-    int m_otherCount = 0;
+    int m_sinceMain = 0;  // dispatches of others
     bool m_inMain = true;
     // Per main dispatch: latecomers, and the dispatches of other caches.
     Tally m_late, m_later, m_lastLate, m_lastLater;

@@ -1,7 +1,6 @@
 #include <grapeshot/plugin/detail/frame_work.hpp>
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include <grapeshot/narrowphase/schedule.hpp>
@@ -59,8 +58,8 @@ class FrameWork {
                 break;
             }
             std::vector<std::uint64_t> slices(open.size());
-            if (left == unlimited) {
-                // A limit of time alone: everybody begins with the mandatory slice.
+            if (left == unlimited || (round == 0 && m_frame.budget().time != never)) {
+                // With a limit of time everybody begins with the mandatory slice.
                 for (std::size_t i = 0; i < open.size(); ++i) {
                     slices[i] = round == 0 ? m_scheduled[i].mandatory : unlimited;
                 }
@@ -125,14 +124,14 @@ class FrameWork {
         timed = timed && m_frame.budget().time != never;
         double weight = 0;
         for (const ScheduledPair& pair : m_scheduled) {
-            weight += timed ? double{pair.importance} * (1.0 + pair.age) : 0.0;
+            weight += timed ? weightOf(pair) : 0.0;
         }
         const auto all = static_cast<double>(m_frame.timeLeft().count()) * m_settings.threads;
         const auto one = [&](std::size_t i) {
             Budget budget = m_settings.pairBudget;
             budget.work = slices[i];
             if (timed) {
-                const double part = double{m_scheduled[i].importance} * (1.0 + m_scheduled[i].age) / weight;
+                const double part = weightOf(m_scheduled[i]) / weight;
                 const auto mine = std::chrono::nanoseconds(static_cast<std::int64_t>(all * part));
                 budget.time = std::min({budget.time, mine, m_frame.timeLeft()});
                 budget.clock = m_frame.budget().clock;

@@ -37,11 +37,14 @@ double meanOf(std::span<const PairTraits> pairs, Part&& part) {
 void importanceOf(std::span<const PairTraits> pairs, std::span<float> importance) {
     constexpr float mostMotion = 8;
     constexpr float mostStale = 60;
+    constexpr float leastWeight = 1e-6F;
+    constexpr float mostWeight = 1e6F;
     const double mass = meanOf(pairs, [](const PairTraits& pair) { return pair.mass; });
     const double size = meanOf(pairs, [](const PairTraits& pair) { return pair.size; });
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const PairTraits& pair = pairs[i];
-        const float weight = pair.weight > 0 && std::isfinite(pair.weight) ? pair.weight : 1.0F;
+        const float weight =
+            pair.weight > 0 && std::isfinite(pair.weight) ? std::clamp(pair.weight, leastWeight, mostWeight) : 1.0F;
         const float stale = held(static_cast<float>(pair.staleness), 0, mostStale);
         importance[i] = weight * (1 + held(pair.motion, 0, mostMotion)) * relative(pair.mass, mass) *
                         relative(pair.size, size) * (1 + 2 * stale / mostStale) * (pair.uncertain ? 2.0F : 1.0F);

@@ -49,12 +49,15 @@ bool PairProcessor::prepare(btCollisionObject& body0, btCollisionObject& body1, 
         m_ahead = std::make_unique<Ahead>();
     }
     Ahead& ahead = *m_ahead;
-    m_unwanted = m_unwanted || (ahead.ready && m_shared == nullptr);
+    m_unwanted = m_unwanted || ahead.ready;
     ahead.ready = false;
     if (m_unwanted || m_shared != nullptr || m_query) {
         return false;
     }
     const std::array<btCollisionObject*, 2> objects{&body0, &body1};
+    if (m_shapes[0] != nullptr && isChanged(*body0.getCollisionShape(), *body1.getCollisionShape())) {
+        return false;
+    }
     for (std::size_t i = 0; i < 2; ++i) {
         ahead.poses[i] = objects[i]->getWorldTransform();
         ahead.bodies[i].emplace(nullptr, objects[i]->getCollisionShape(), objects[i], ahead.poses[i], -1, -1);
@@ -103,7 +106,7 @@ void PairProcessor::compute(const Budget& budget) noexcept {
 }
 
 bool PairProcessor::takeAhead(const Bodies& bodies, PairShapes& shapes) {
-    if (m_ahead == nullptr || !m_ahead->ready || m_shared != nullptr) {
+    if (m_ahead == nullptr || !m_ahead->ready) {
         return false;
     }
     Ahead& ahead = *m_ahead;

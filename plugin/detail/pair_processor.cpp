@@ -103,20 +103,21 @@ void PairProcessor::processNow(const Bodies& bodies, const btDispatcherInfo& inf
     write(bodies, shapes, result);
 }
 
+bool PairProcessor::isChanged(const btCollisionShape& shape0, const btCollisionShape& shape1) const {
+    // Another shape may have taken the address.
+    return m_shapes[0] != &shape0 || m_shapes[1] != &shape1 || m_types[0] != shape0.getShapeType() ||
+           m_types[1] != shape1.getShapeType() || m_kind != kindOf(shape0, shape1, m_context->settings.convexPairs);
+}
+
 bool PairProcessor::bind(const Bodies& bodies) {
-    bool changed = false;
-    for (std::size_t i = 0; i < 2; ++i) {
-        const btCollisionShape* shape = bodies[i]->getCollisionShape();
-        // Another shape may have taken the address.
-        changed = changed || m_shapes[i] != shape || m_types[i] != shape->getShapeType();
-        m_shapes[i] = shape;
-        m_types[i] = shape->getShapeType();
-    }
-    const PairKind kind = kindOf(*m_shapes[0], *m_shapes[1], m_context->settings.convexPairs);
-    changed = changed || kind != m_kind;
+    const bool changed = isChanged(*bodies[0]->getCollisionShape(), *bodies[1]->getCollisionShape());
     if (changed) {
         dropDelegate();
-        m_kind = kind;
+        for (std::size_t i = 0; i < 2; ++i) {
+            m_shapes[i] = bodies[i]->getCollisionShape();
+            m_types[i] = m_shapes[i]->getShapeType();
+        }
+        m_kind = kindOf(*m_shapes[0], *m_shapes[1], m_context->settings.convexPairs);
         m_contacts.forget();
         m_writer.clear();
         m_breaking = breakingThreshold(bodies);

@@ -42,8 +42,10 @@ class PairProcessor {
 
     // Ahead of Bullet's pass, by a Dispatcher; pair_phases.cpp.
 
-    /// Serial. False if there is nothing to compute: shapes that are not ours or cannot be used, or a pair that the
-    /// program's near callback did not let pass last time.
+    [[nodiscard]] bool isOf(const Context& context) const { return m_context.get() == &context; }
+    /// Serial; calls nothing of the program's. False if there is nothing to compute: shapes that are not ours or cannot
+    /// be used or have been changed (Bullet's pass looks after the old contacts first), or a pair that the program's
+    /// near callback did not let pass last time.
     bool prepare(btCollisionObject& body0, btCollisionObject& body1, const btDispatcherInfo& info);
     /// On any thread unless `needsBullet`. Touches nothing but this pair. A second call in a step goes on where the
     /// first was cut short.
@@ -65,7 +67,9 @@ class PairProcessor {
     /// What is known ahead of Bullet's pass.
     struct Ahead;
 
-    /// True if the shapes are others than last time.
+    /// Are these, or what is to be done about them, others than last time?
+    [[nodiscard]] bool isChanged(const btCollisionShape& shape0, const btCollisionShape& shape1) const;
+    /// True if they were.
     bool bind(const Bodies& bodies);
     void delegate(const Bodies& bodies, const btDispatcherInfo& info, btManifoldResult& result);
     void dropDelegate();

@@ -6,11 +6,14 @@
 #include <bit>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "bullet_fixture.hpp"
 
 namespace grapeshot::test {
 namespace {
+
+static_assert(!std::is_constructible_v<Dispatcher, Dispatcher&>, "Bullet's pools would be freed twice");
 
 /// Meshes, convex bodies, a compound of meshes and a plane, all on one heap.
 struct Mixture {
@@ -241,8 +244,7 @@ std::vector<std::uint64_t> runGhosts(const Settings& settings, Check&& check) {
                          std::bit_cast<std::uint64_t>(static_cast<double>(walker.getWorldTransform().getOrigin().x())));
     }
     for (const auto& body : world.bodies) {
-        const bool held = settings.frameBudget.work == 0 || body->getWorldTransform().getOrigin().y() > -0.6_s;
-        EXPECT_TRUE(held);
+        EXPECT_GT(body->getWorldTransform().getOrigin().y(), -0.6_s);
     }
     EXPECT_GT(walker.getWorldTransform().getOrigin().x(), 0.05_s);
     world.world.removeAction(&controller);
@@ -320,6 +322,59 @@ TEST(Dispatcher, ABodyMayBeRemovedInAContactCallback) {
     gContactAddedCallback = nullptr;
 }
 
+/// Another shape ends the old contacts, and the program reacts to that: not before Bullet's pass is at the pair.
+TEST(Dispatcher, ABodyMayBeRemovedWhenAnotherShapeEndsItsContact) {
+    const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}, 3), Kind::mesh);
+    const MeshShape other(scenes::box({0.4F, 0.5F, 0.4F}, 2), Kind::mesh);
+    BudgetWorld world;
+    world.world.getDispatchInfo().m_deterministicOverlappingPairs = false;
+    world.add(*box, at({0, 0, 0}));
+    btRigidBody& gone = world.add(*box, at({0, 1.01_s, 0}), 1);
+    btRigidBody& kept = world.add(*box, at({0, 2.02_s, 0}), 1);
+    kept.setActivationState(DISABLE_DEACTIVATION);
+    world.step(5);
+    ASSERT_FALSE(world.points().empty());
+    callbackWorld = &world.world;
+    victim = &gone;
+    const int had = removals;
+    gContactEndedCallback = [](btPersistentManifold* const&) {
+        if (victim != nullptr) {
+            btRigidBody* const body = victim;
+            victim = nullptr;
+            ++removals;
+            callbackWorld->removeRigidBody(body);
+        }
+    };
+    gone.setCollisionShape(other.get());
+    world.step();
+    gContactEndedCallback = nullptr;
+    EXPECT_EQ(removals, had + 1);
+    EXPECT_EQ(world.world.getNumCollisionObjects(), 2);
+    world.bodies.erase(world.bodies.begin() + 1);
+    world.step(60);
+    EXPECT_GT(kept.getWorldTransform().getOrigin().y(), 0.9_s);
+}
+
+TEST(Dispatcher, MayBeRegisteredAnewInMidRun) {
+    const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh);
+    BudgetWorld world;
+    world.add(*box, at({0, 0, 0}));
+    btRigidBody& upper = world.add(*box, at({0, 1.02_s, 0}), 1);
+    upper.setActivationState(DISABLE_DEACTIVATION);
+    world.step(10);
+    ASSERT_EQ(unregisterAlgorithms(&world.dispatcher), Status::ok);
+    world.step(10);
+    EXPECT_FALSE(world.points().empty()) << "the pair keeps its algorithm";
+    ASSERT_EQ(registerAlgorithms(&world.dispatcher), Status::ok);
+    for (std::uint64_t i = 1; i <= 10; ++i) {
+        world.step();
+        EXPECT_EQ(world.stats().step, i);
+        EXPECT_LE(world.stats().pairs.size(), 1U);
+    }
+    EXPECT_FALSE(world.points().empty());
+    EXPECT_GT(upper.getWorldTransform().getOrigin().y(), 0.9_s);
+}
+
 TEST(Dispatcher, ANaNPoseIsRefusedAndTheOthersGoOn) {
     const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh);
@@ -358,7 +413,9 @@ TEST(Dispatcher, TenThousandPairsAtOnePointDoNotExplode) {
     for (int i = 0; i < 3; ++i) {
         world.step();
         const StepStatistics& s = world.stats();
-        EXPECT_EQ(s.pairs.size(), i == 0 ? 10011U : s.pairs.size());
+        if (i == 0) {
+            EXPECT_EQ(s.pairs.size(), 10011U);
+        }
         EXPECT_LE(s.work, std::max(s.budget, s.mandatory));
         EXPECT_LE(s.mandatory, 88 * s.pairs.size());
         EXPECT_LE(s.manifolds, 2 * 10011);

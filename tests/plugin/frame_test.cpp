@@ -45,6 +45,17 @@ TEST(Frame, AnotherWorldsCacheTakesOverWhenTheFirstIsGone) {
     EXPECT_FALSE(frame.enterDispatch(world, {}));
 }
 
+TEST(Frame, AnotherWorldTakesOverWithItsGhostsToo) {
+    Frame frame;
+    frame.enterDispatch(world, {});
+    int began = 0;
+    for (int i = 0; i < 20; ++i) {
+        began += frame.enterDispatch(ghost, {}) ? 1 : 0;
+        began += frame.enterDispatch(otherGhost, {}) ? 1 : 0;
+    }
+    EXPECT_EQ(began, 12);  // from the seventeenth on, with each dispatch of the one that took over
+}
+
 TEST(Frame, OnceToldItBeginsOnlyWhenTold) {
     Frame frame;
     frame.enterDispatch(world, {.work = 100});
@@ -147,13 +158,15 @@ TEST(PairImportance, RisesWithEverythingThatMatters) {
 TEST(PairImportance, IsFiniteWhateverComes) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float infinity = std::numeric_limits<float>::infinity();
-    std::array<PairTraits, 6> pairs;
+    std::array<PairTraits, 8> pairs;
     pairs[0] = {nan, nan, nan, 0, true, nan};
     pairs[1] = {infinity, infinity, infinity, 0xffffffffU, true, infinity};
     pairs[2] = {-1, -1, -1, 0, false, -1};
     pairs[3] = {0, 0, 0, 0, false, 0};
     pairs[4] = {1, 1e30F, 1e-30F, 5, false, 1};
-    std::array<float, 6> importance{};
+    pairs[5] = {1, 1, 1, 60, true, std::numeric_limits<float>::max()};
+    pairs[6] = {0, 1, 1, 0, false, std::numeric_limits<float>::denorm_min()};
+    std::array<float, 8> importance{};
     importanceOf(pairs, importance);
     for (const float value : importance) {
         EXPECT_TRUE(std::isfinite(value) && value > 0) << value;
