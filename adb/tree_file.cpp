@@ -9,7 +9,9 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <memory>
+#include <span>
 #include <system_error>
 #include <type_traits>
 
@@ -27,11 +29,6 @@ static_assert(std::endian::native == std::endian::little);
 constexpr std::array<char, 8> magic{'G', 'S', 'T', 'R', 'E', 'E', '\r', '\n'};
 constexpr std::uint32_t version = 2;
 
-struct Hash {
-    std::uint64_t low, high;
-    friend bool operator==(const Hash&, const Hash&) = default;
-};
-
 /// Everything before the arrays. No padding, so that its bytes may be hashed.
 struct Header {
     std::array<char, 8> title = magic;
@@ -43,17 +40,17 @@ struct Header {
     std::int32_t maxLeafTriangles = 0, bins = 0;
     std::array<float, 8> bounds{};  ///< lower, upper, radius, nothing
     std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, nothing
-    Hash arrays{};
-    Hash own{};  ///< of all before it
+    ContentKey arrays;
+    ContentKey own;  ///< of all before it
 };
 static_assert(sizeof(Header) == 232 && std::is_trivially_copyable_v<Header>);
 
-Hash hashOf(XXH128_hash_t hash) {
+ContentKey keyOf(XXH128_hash_t hash) {
     return {hash.low64, hash.high64};
 }
 
-Hash ownHash(const Header& header) {
-    return hashOf(XXH3_128bits(&header, offsetof(Header, own)));
+ContentKey ownHash(const Header& header) {
+    return keyOf(XXH3_128bits(&header, offsetof(Header, own)));
 }
 
 /// The arrays in the order in which they stand in the file.
@@ -66,7 +63,7 @@ void forEachArray(TreeType& tree, const Run& run) {
     run(tree.triangles);
 }
 
-Hash arraysHash(const Tree& tree) {
+ContentKey arraysHash(const Tree& tree) {
     const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(), XXH3_freeState);
     if (state == nullptr) {
         throw std::bad_alloc();
@@ -75,7 +72,7 @@ Hash arraysHash(const Tree& tree) {
     forEachArray(tree, [&](const auto& array) {
         XXH3_128bits_update(state.get(), array.data(), array.size() * sizeof(array[0]));
     });
-    return hashOf(XXH3_128bits_digest(state.get()));
+    return keyOf(XXH3_128bits_digest(state.get()));
 }
 
 [[noreturn]] void fail(const std::string& what, const std::filesystem::path& file) {
@@ -104,18 +101,28 @@ void requireSound(const Tree& tree, const std::filesystem::path& file) {
             reached[index] = 1;
         }
     }
+    std::vector<char> triangleReached(tree.triangles.size(), 0);
     for (std::size_t leaf = 0; leaf < tree.leaves.size(); ++leaf) {
         if (leafReached[leaf] == 0) {
             fail("belongs to no node", file.string() + ": " + at("leaf", leaf));
         }
-        for (const std::uint32_t triangle : tree.leaves[leaf].triangle) {
-            if (triangle != noTriangle && triangle >= tree.triangles.size()) {
-                fail("triangle " + std::to_string(triangle) + " does not exist",
+        const auto& lanes = tree.leaves[leaf].triangle;
+        const auto* const end = std::find(std::begin(lanes), std::end(lanes), noTriangle);
+        if (end == std::begin(lanes) || std::any_of(end, std::end(lanes), [](auto t) { return t != noTriangle; })) {
+            fail("is empty or has a gap", file.string() + ": " + at("leaf", leaf));
+        }
+        for (const std::uint32_t triangle : std::span(std::begin(lanes), end)) {
+            if (triangle >= triangleReached.size() || triangleReached[triangle] != 0) {
+                fail("triangle " + std::to_string(triangle) + " is out of place",
                      file.string() + ": " + at("leaf", leaf));
             }
+            triangleReached[triangle] = 1;
         }
     }
     for (std::size_t triangle = 0; triangle < tree.triangles.size(); ++triangle) {
+        if (triangleReached[triangle] == 0) {
+            fail("belongs to no leaf", file.string() + ": " + at("triangle", triangle));
+        }
         for (const std::uint32_t vertex : tree.triangles[triangle]) {
             if (vertex >= tree.vertices.size()) {
                 fail("vertex " + std::to_string(vertex) + " does not exist",
@@ -268,6 +275,9 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
     }
     tree.whole.unit = header.whole[16];
     requireSound(tree, file);
+    if (!sameContent(tree.mesh(), mesh)) {
+        fail("belongs to another mesh of the same hash", file);
+    }
     return tree;
 }
 

@@ -1,8 +1,24 @@
 #include <grapeshot/core/content_key.hpp>
 
+#include <cstring>
+#include <span>
+
 #include <xxhash.h>
 
 namespace grapeshot {
+namespace {
+
+template <class T>
+bool sameBytes(std::span<const T> left, std::span<const T> right) {
+    return left.size() == right.size() &&
+           (left.empty() || std::memcmp(left.data(), right.data(), left.size_bytes()) == 0);
+}
+
+}  // namespace
+
+bool sameContent(MeshView left, MeshView right) noexcept {
+    return sameBytes(left.vertices, right.vertices) && sameBytes(left.triangles, right.triangles);
+}
 
 ContentKey contentKey(MeshView mesh) noexcept {
     const XXH128_hash_t vertices = XXH3_128bits(mesh.vertices.data(), mesh.vertices.size_bytes());

@@ -16,4 +16,7 @@ struct ContentKey {
 /// O(n), several gigabytes a second.
 [[nodiscard]] ContentKey contentKey(MeshView mesh) noexcept;
 
+/// The same vertices and triangles, byte for byte.
+[[nodiscard]] bool sameContent(MeshView left, MeshView right) noexcept;
+
 }  // namespace grapeshot

@@ -4,7 +4,6 @@
 #include <cinttypes>
 #include <compare>
 #include <cstdio>
-#include <cstring>
 #include <future>
 #include <list>
 #include <map>
@@ -23,16 +22,6 @@ struct CacheKey {
     int maxLeafTriangles, bins;
     friend auto operator<=>(const CacheKey&, const CacheKey&) = default;
 };
-
-template <class T>
-bool sameBytes(std::span<const T> left, std::span<const T> right) {
-    return left.size() == right.size() &&
-           (left.empty() || std::memcmp(left.data(), right.data(), left.size_bytes()) == 0);
-}
-
-bool sameContent(MeshView left, MeshView right) {
-    return sameBytes(left.vertices, right.vertices) && sameBytes(left.triangles, right.triangles);
-}
 
 std::string fileName(const ContentKey& key, const BuildSettings& settings) {
     char name[80];

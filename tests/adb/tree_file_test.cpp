@@ -51,6 +51,7 @@ class TreeFile : public testing::Test {
         }
     }
 
+    static constexpr std::size_t header = 232;  ///< bytes
     const fs::path folder =
         fs::temp_directory_path() /
         ("grapeshot_tree_file_" + std::to_string(::testing::UnitTest::GetInstance()->random_seed()) + "_" +
@@ -109,7 +110,7 @@ TEST_F(TreeFile, IsOfOneMeshAndOneSetting) {
 TEST_F(TreeFile, AnyCutOffFileIsRefused) {
     saveTree(tree, settings, file);
     const std::vector<char> whole = bytes();
-    for (std::size_t size = 0; size < whole.size(); size += size < 200 ? 1 : whole.size() / 97) {
+    for (std::size_t size = 0; size < whole.size(); size += size < header ? 1 : whole.size() / 97) {
         write({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
         EXPECT_NE(complaint(), "") << size;
     }
@@ -124,7 +125,7 @@ TEST_F(TreeFile, AnyCutOffFileIsRefused) {
 TEST_F(TreeFile, AnyChangedByteIsNoticed) {
     saveTree(tree, settings, file);
     const std::vector<char> whole = bytes();
-    for (std::size_t place = 0; place < whole.size(); place += place < 160 ? 1 : whole.size() / 97) {
+    for (std::size_t place = 0; place < whole.size(); place += place < header ? 1 : whole.size() / 97) {
         std::vector<char> changed = whole;
         changed[place] = static_cast<char>(changed[place] ^ 0x10);
         write(changed);
@@ -145,6 +146,12 @@ TEST_F(TreeFile, WildIndicesAreRefusedWithTheirPlace) {
     EXPECT_THAT(complaintAbout(damaged), testing::HasSubstr("node " + std::to_string(tree.nodes.size() - 1)));
     damaged = tree;
     damaged.leaves[5].triangle[0] = static_cast<std::uint32_t>(tree.triangles.size());
+    EXPECT_THAT(complaintAbout(damaged), testing::HasSubstr("leaf 5"));
+    damaged = tree;
+    std::ranges::fill(damaged.leaves[5].triangle, noTriangle);
+    EXPECT_THAT(complaintAbout(damaged), testing::HasSubstr("leaf 5"));
+    damaged = tree;
+    damaged.leaves[5].triangle[0] = damaged.leaves[4].triangle[0];
     EXPECT_THAT(complaintAbout(damaged), testing::HasSubstr("leaf 5"));
     damaged = tree;
     damaged.leaves.push_back(damaged.leaves.back());
