@@ -7,6 +7,7 @@
 #include <limits>
 
 #include <grapeshot/adb/detail/crossing_cut.hpp>
+#include <grapeshot/adb/detail/leaf_corners.hpp>
 #include <grapeshot/adb/detail/spending.hpp>
 #include <grapeshot/adb/detail/stack_storage.hpp>
 #include <grapeshot/core/detail/leaf_triangles.hpp>
@@ -20,14 +21,8 @@ using detail::TriangleD;
 
 namespace {
 
-TriangleD cornersOf(const LeafBlock& block, std::uint32_t lane) {
-    TriangleD corners;
-    for (std::size_t c = 0; c < 3; ++c) {
-        for (int axis = 0; axis < 3; ++axis) {
-            corners[c][axis] = block.corner[c][axis][lane];
-        }
-    }
-    return corners;
+TriangleD cornersOf(const LeafBlock& leaf, int lane) {
+    return {detail::cornerOf(leaf, 0, lane), detail::cornerOf(leaf, 1, lane), detail::cornerOf(leaf, 2, lane)};
 }
 
 Eigen::Vector3d normalOf(const TriangleD& t) {
@@ -66,23 +61,12 @@ CurvePiece pieceOf(const TriangleD& a, const TriangleD& b, TrianglePair pair) {
 
 struct CrossingQuery::State {
     State(const Tree& treeA, const Tree& treeB) : a(&treeA), b(&treeB) { storage.lendTo(descent); }
-    State(const State& other) { *this = other; }
-    State& operator=(const State& other) {
-        if (this != &other) {
-            a = other.a;
-            b = other.b;
-            descent = other.descent;
-            storage = other.storage;
-            storage.lendTo(descent);
-            cut = other.cut;
-            settings = other.settings;
-            proven = other.proven;
-            provenLength = other.provenLength;
-            started = other.started;
-            finished = other.finished;
-        }
-        return *this;
+    static std::unique_ptr<State> copyOf(const State& other) {
+        std::unique_ptr<State> copy(new State(other));
+        copy->storage.lendTo(copy->descent);
+        return copy;
     }
+    State& operator=(const State&) = delete;
     ~State() = default;
 
     void start(const Pose& bInA, const CrossingSettings& wanted, bool toTheEnd);
@@ -90,8 +74,8 @@ struct CrossingQuery::State {
     void addProven();
     void report(const Budget& budget, Crossing& out);
 
-    const Tree* a = nullptr;
-    const Tree* b = nullptr;
+    const Tree* a;
+    const Tree* b;
     detail::Descent descent;  ///< its stack holds what is left of an entry that is refined to its end
     detail::StackStorage storage;
     detail::CrossingCut cut;
@@ -100,6 +84,9 @@ struct CrossingQuery::State {
     float provenLength = 0;  ///< m
     bool started = false;
     bool finished = false;
+
+  private:
+    State(const State&) = default;  // the copy still borrows from the original
 };
 
 /// `toTheEnd`: nobody will stop it, so there is no need to be good before the end.
@@ -132,16 +119,16 @@ void CrossingQuery::State::addProven() {
     const Eigen::Matrix3d rotation = descent.pose.rotation.cast<double>();
     const Eigen::Vector3d translation = descent.pose.translation.cast<double>();
     for (std::uint32_t rest = descent.lanes; rest != 0; rest &= rest - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
-        const TrianglePair pair{blockA.triangle[lane >> 2U], blockB.triangle[lane & 3U]};
+        const int lane = std::countr_zero(rest);
+        const TrianglePair pair{blockA.triangle[lane / 4], blockB.triangle[lane % 4]};
         if (pair.triangleA == noTriangle || pair.triangleB == noTriangle) {
             continue;
         }
-        TriangleD cornersB = cornersOf(blockB, lane & 3U);
+        TriangleD cornersB = cornersOf(blockB, lane % 4);
         for (Eigen::Vector3d& corner : cornersB) {
             corner = rotation * corner + translation;
         }
-        proven.push_back(pieceOf(cornersOf(blockA, lane >> 2U), cornersB, pair));
+        proven.push_back(pieceOf(cornersOf(blockA, lane / 4), cornersB, pair));
         provenLength += proven.back().length;
     }
 }
@@ -220,10 +207,11 @@ void CrossingQuery::State::report(const Budget& budget, Crossing& out) {
 }
 
 CrossingQuery::CrossingQuery(const Tree& a, const Tree& b) : m_state(std::make_unique<State>(a, b)) {}
-CrossingQuery::CrossingQuery(const CrossingQuery& other) : m_state(std::make_unique<State>(*other.m_state)) {}
+CrossingQuery::CrossingQuery(const CrossingQuery& other)
+    : m_state(other.m_state ? State::copyOf(*other.m_state) : nullptr) {}
 CrossingQuery& CrossingQuery::operator=(const CrossingQuery& other) {
     if (this != &other) {
-        m_state = std::make_unique<State>(*other.m_state);
+        m_state = other.m_state ? State::copyOf(*other.m_state) : nullptr;
     }
     return *this;
 }

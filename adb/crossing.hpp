@@ -60,8 +60,9 @@ struct Crossing {
 /// Finds the curve of two trees step by step: the piece with the largest product of expected length and extent is
 /// replaced by what the children of its two nodes have; two leaves are tested exactly. Can be stopped after any number
 /// of steps (units) and resumed; more steps bring the pieces nearer to the curve, and the end is exact. About 0.1 us a
-/// step. Copyable: a copy resumes on its own. Keeps references to both trees, which must stay where they are and
-/// unchanged while it is resumed. Not for two threads at once. Never throws (but for memory).
+/// step. Copyable: a copy resumes on its own; one that was moved from may only be copied, assigned to or destroyed.
+/// Keeps references to both trees, which must stay where they are and unchanged while it is resumed. Not for two
+/// threads at once. Never throws (but for memory).
 class CrossingQuery {
   public:
     CrossingQuery(const Tree& a, const Tree& b);

@@ -8,16 +8,14 @@
 #include <cmath>
 #include <limits>
 
+#include <grapeshot/adb/detail/leaf_corners.hpp>
 #include <grapeshot/adb/detail/node_stack.hpp>
 
 namespace grapeshot {
 namespace {
 
+using detail::cornerOf;
 using Eigen::Vector3d;
-
-Vector3d cornerOf(const LeafBlock& leaf, int corner, int lane) {
-    return {leaf.corner[corner][0][lane], leaf.corner[corner][1][lane], leaf.corner[corner][2][lane]};
-}
 
 struct OnTriangle {
     Vector3d point;

@@ -225,7 +225,7 @@ bool Query::State::lookAtWholes() {
         wholeDistance = squaredDistance;
         return true;
     }
-    if (inside && settings.estimateSteps != unlimited) {
+    if (inside && settings.estimateSteps < detail::endlessSteps) {
         handOver();
     }
     return false;
@@ -329,10 +329,10 @@ bool answerOf(const Decision& decision, Answer answer, const RandomKey& episode)
 }
 
 Query::Query(const Tree& a, const Tree& b) : m_state(std::make_unique<State>(a, b)) {}
-Query::Query(const Query& other) : m_state(State::copyOf(*other.m_state)) {}
+Query::Query(const Query& other) : m_state(other.m_state ? State::copyOf(*other.m_state) : nullptr) {}
 Query& Query::operator=(const Query& other) {
     if (this != &other) {
-        m_state = State::copyOf(*other.m_state);
+        m_state = other.m_state ? State::copyOf(*other.m_state) : nullptr;
     }
     return *this;
 }

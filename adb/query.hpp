@@ -117,9 +117,10 @@ struct LeafPairs {
     std::uint64_t work = 0;
 };
 
-/// A query between two trees that can be stopped and resumed. Copyable: a copy resumes on its own. Keeps references to
-/// both trees, which must stay where they are and unchanged while it is resumed. Not for two threads at once; make two.
-/// Queries never throw (but for memory); bad poses and settings give StopReason::invalidInput.
+/// A query between two trees that can be stopped and resumed. Copyable: a copy resumes on its own; one that was moved
+/// from may only be copied, assigned to or destroyed. Keeps references to both trees, which must stay where they are
+/// and unchanged while it is resumed. Not for two threads at once; make two. Queries never throw (but for memory); bad
+/// poses and settings give StopReason::invalidInput.
 class Query {
   public:
     Query(const Tree& a, const Tree& b);

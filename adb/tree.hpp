@@ -64,7 +64,7 @@ struct ChildSurface {
 
 /// How a whole mesh's surface is distributed, ready for four lanes at a time.
 struct alignas(16) WholeSurface {
-    float mean[4] = {};           ///< area-weighted centroid, m; the last: log2 of the area in m^2
+    float mean[4] = {};           ///< area-weighted centroid, m; the last is 0
     float covariance[3][4] = {};  ///< columns, about the mean, in unit^2; thickened as in ChildSurface; the last are 0
     float unit = 1;               ///< m, a power of two: about half the diagonal of the mesh's box
 };

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 
+#include <grapeshot/adb/detail/leaf_corners.hpp>
 #include <grapeshot/adb/detail/surface_moments.hpp>
 #include <grapeshot/adb/detail/tree_contents.hpp>
 #include <grapeshot/adb/tree.hpp>
@@ -194,7 +195,7 @@ class Inspector {
             for (int lane = 0; lane < 4 && leaf.triangle[lane] != noTriangle; ++lane) {
                 Eigen::Vector3d corner[3];
                 for (int c = 0; c < 3; ++c) {
-                    corner[c] = {leaf.corner[c][0][lane], leaf.corner[c][1][lane], leaf.corner[c][2][lane]};
+                    corner[c] = detail::cornerOf(leaf, c, lane);
                     extent = std::max(extent, corner[c].lpNorm<Eigen::Infinity>());
                 }
                 pieces.push_back(detail::momentsOf(corner[0], corner[1], corner[2]));

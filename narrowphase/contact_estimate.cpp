@@ -29,6 +29,8 @@ void ContactEstimator::find(const Pose& bInA, const ContactEstimateSettings& set
                             ContactEstimate& out) {
     m_pose = bInA;
     m_settings = settings;
+    m_askedContainment = false;
+    m_contained.clear();
     if (isUsable(settings.regions)) {
         m_query.find(bInA, settings.crossing, budget, m_crossing);
     } else {
@@ -57,10 +59,11 @@ void ContactEstimator::fill(ContactEstimate& out) {
     groupCrossing(m_crossing.pieces, m_crossing.work, m_settings.regions, calibration, out.regions);
     const bool likely = std::ranges::any_of(out.regions, [](const auto& region) { return region.probability >= 0.5F; });
     if (!likely && m_settings.interior == Interior::solid) {
-        thread_local std::vector<SurfaceContact> contained;
-        contained.clear();
-        containmentContacts(*m_a, *m_b, m_pose, contained);
-        std::ranges::transform(contained, std::back_inserter(out.regions), containedAt);
+        if (!m_askedContainment) {
+            m_askedContainment = true;
+            containmentContacts(*m_a, *m_b, m_pose, m_contained);
+        }
+        std::ranges::transform(m_contained, std::back_inserter(out.regions), containedAt);
     }
     // Triangles in one plane, that look the same way, prove it without a region: they push no way.
     const bool intersect = !m_crossing.pieces.empty() && m_crossing.pieces.front().proven();

@@ -7,6 +7,7 @@
 #include <grapeshot/adb/crossing.hpp>
 #include <grapeshot/narrowphase/crossing_regions.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
+#include <grapeshot/narrowphase/surface_contact.hpp>
 
 namespace grapeshot {
 
@@ -48,6 +49,8 @@ class ContactEstimator {
     Crossing m_crossing;
     Pose m_pose;
     ContactEstimateSettings m_settings;
+    bool m_askedContainment = false;  ///< in this pose: the answer stays the same
+    std::vector<SurfaceContact> m_contained;
 };
 
 }  // namespace grapeshot

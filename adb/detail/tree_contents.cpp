@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include <grapeshot/adb/detail/leaf_corners.hpp>
 #include <grapeshot/adb/detail/surface_moments.hpp>
 
 namespace grapeshot::detail {
@@ -30,10 +31,6 @@ void fillLeaf(const Tree& tree, LeafBlock& leaf) {
             }
         }
     }
-}
-
-Eigen::Vector3d cornerOf(const LeafBlock& leaf, int corner, int lane) {
-    return {leaf.corner[corner][0][lane], leaf.corner[corner][1][lane], leaf.corner[corner][2][lane]};
 }
 
 SurfaceMoments leafMoments(const LeafBlock& leaf) {

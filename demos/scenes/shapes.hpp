@@ -54,6 +54,8 @@ Mesh grid(float halfX, float halfZ, int cellsX, int cellsZ);
 Mesh merged(const Mesh& first, const Mesh& second, const Eigen::Vector3f& offset = Eigen::Vector3f::Zero());
 Mesh moved(Mesh mesh, const Eigen::Vector3f& offset);
 Mesh scaled(Mesh mesh, float factor);
+/// Each vertex moved inwards by `depth`, m, along the mean normal of the triangles around it (by area).
+Mesh inwardCopy(const Mesh& mesh, float depth);
 /// Centre of the box to the origin, diagonal of the box to `diagonal`.
 Mesh normalised(Mesh mesh, float diagonal = 2.0F);
 

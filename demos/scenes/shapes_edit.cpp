@@ -1,4 +1,5 @@
 // Putting meshes together, moving and scaling them.
+#include <Eigen/Geometry>
 #include <cassert>
 
 #include <scenes/shapes.hpp>
@@ -30,6 +31,22 @@ Mesh merged(const Mesh& first, const Mesh& second, const Eigen::Vector3f& offset
         mesh.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
     }
     return mesh;
+}
+
+Mesh inwardCopy(const Mesh& mesh, float depth) {
+    Mesh copy = mesh;
+    std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
+    for (const Triangle& t : mesh.triangles) {
+        const Eigen::Vector3f& corner = mesh.vertices[t[0]];
+        const Eigen::Vector3f normal = (mesh.vertices[t[1]] - corner).cross(mesh.vertices[t[2]] - corner);
+        for (const std::uint32_t vertex : t) {
+            normals[vertex] += normal;
+        }
+    }
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        copy.vertices[i] -= depth * normals[i].normalized();
+    }
+    return copy;
 }
 
 Mesh normalised(Mesh mesh, float diagonal) {

@@ -123,6 +123,7 @@ TEST(Calibration, TextComesBackToTheLastBit) {
     EXPECT_EQ(second.whole, first.whole);
     EXPECT_EQ(second.bySteps, first.bySteps);
     EXPECT_EQ(second.afterwards, first.afterwards);
+    EXPECT_EQ(second.regions, first.regions);
     EXPECT_EQ(toText(second), text);
 }
 

@@ -119,30 +119,13 @@ TEST(Wholes, AFarBodyIsRejectedInOneUnit) {
     EXPECT_TRUE(query.decide(pose, settings).certain);
 }
 
-/// Each vertex moved inwards along the mean normal of the triangles around it.
-scenes::Mesh inwardCopy(const scenes::Mesh& mesh, float depth) {
-    scenes::Mesh copy = mesh;
-    std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
-    for (const Triangle& t : mesh.triangles) {
-        const Eigen::Vector3f& corner = mesh.vertices[t[0]];
-        const Eigen::Vector3f normal = (mesh.vertices[t[1]] - corner).cross(mesh.vertices[t[2]] - corner);
-        for (const std::uint32_t vertex : t) {
-            normals[vertex] += normal;
-        }
-    }
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-        copy.vertices[i] -= depth * normals[i].normalized();
-    }
-    return copy;
-}
-
 struct Shells {
     int clear = 0, wrong = 0;
 };
 Shells shellsOf(const scenes::Mesh& mesh, float gap, Random& random) {
     const Tree outer = build(mesh.view());
     const float depth = gap * static_cast<float>(sizeOf(outer));
-    const Tree inner = build(inwardCopy(mesh, depth).view());
+    const Tree inner = build(scenes::inwardCopy(mesh, depth).view());
     Query exact(outer, inner);
     Query query(outer, inner);
     Shells shells;

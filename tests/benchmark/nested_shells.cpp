@@ -22,28 +22,11 @@ constexpr Gap gaps[] = {{"nested, 0.25 %", 0.0025}, {"nested, 1 %", 0.01}, {"nes
 /// FCL takes milliseconds a pose for this many already.
 constexpr std::size_t mostForFcl = 5'000;
 
-/// Each vertex moved inwards along the mean normal of the triangles around it.
-scenes::Mesh inwardCopy(MeshView mesh, float depth) {
-    scenes::Mesh copy{{mesh.vertices.begin(), mesh.vertices.end()}, {mesh.triangles.begin(), mesh.triangles.end()}};
-    std::vector<Eigen::Vector3f> normals(mesh.vertices.size(), Eigen::Vector3f::Zero());
-    for (const Triangle& t : mesh.triangles) {
-        const Eigen::Vector3f& corner = mesh.vertices[t[0]];
-        const Eigen::Vector3f areaNormal = (mesh.vertices[t[1]] - corner).cross(mesh.vertices[t[2]] - corner);
-        for (const std::uint32_t vertex : t) {
-            normals[vertex] += areaNormal;
-        }
-    }
-    for (std::size_t i = 0; i < normals.size(); ++i) {
-        copy.vertices[i] -= depth * normals[i].normalized();
-    }
-    return copy;
-}
-
 }  // namespace
 
 NestedShells nestedIn(const Tree& tree, double gap, int poses, std::uint64_t seed) {
     const float depth = static_cast<float>(gap) * (tree.upper - tree.lower).norm();
-    NestedShells shells{build(inwardCopy(tree.mesh(), depth).view()), {{}, {}, {gap}}};
+    NestedShells shells{build(scenes::inwardCopy({tree.vertices, tree.triangles}, depth).view()), {{}, {}, {gap}}};
     test::Random random(seed);
     for (int i = 0; i < poses; ++i) {
         Pose& pose = shells.set.poses.emplace_back();
