@@ -103,15 +103,37 @@ std::vector<std::pair<std::string, std::string>> cells(const Row& row) {
 
 }  // namespace
 
+namespace {
+
+double nearestRank(const std::vector<double>& sorted, double q) {
+    const auto i = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
+    return sorted[std::clamp<std::size_t>(i, 1, sorted.size()) - 1];
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double q) {
+    if (values.empty()) {
+        return notApplicable;
+    }
+    std::ranges::sort(values);
+    return nearestRank(values, q);
+}
+
+double geometricMean(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) {
+        sum += std::log(value);
+    }
+    return values.empty() ? notApplicable : std::exp(sum / static_cast<double>(values.size()));
+}
+
 Quantiles quantiles(std::vector<double> values) {
     if (values.empty()) {
         return {};
     }
     std::ranges::sort(values);
-    const auto rank = [&](double q) {
-        const auto i = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
-        return values[std::clamp<std::size_t>(i, 1, values.size()) - 1];
-    };
+    const auto rank = [&](double q) { return nearestRank(values, q); };
     double sum = 0;
     for (const double value : values) {
         sum += value;

@@ -23,6 +23,12 @@ struct Quantiles {
 /// Nearest rank; all not applicable if there are no values.
 [[nodiscard]] Quantiles quantiles(std::vector<double> values);
 
+/// The value of that rank, q in 0..1, nearest rank; not applicable if there are no values.
+[[nodiscard]] double quantile(std::vector<double> values, double q);
+
+/// Of values > 0 (0 if one is 0); not applicable if there are none.
+[[nodiscard]] double geometricMean(const std::vector<double>& values);
+
 /// Middle of an odd number of values, mean of the two middle ones of an even number.
 [[nodiscard]] double median(std::vector<double> values);
 

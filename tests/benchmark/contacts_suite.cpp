@@ -40,11 +40,15 @@ struct Measured {
     }
 };
 
-/// How many times as fast as the fastest decimated mesh that is as good in all three; infinity if none is.
+/// How many times as fast as the fastest mesh that is as good in all three: a decimated one, or the mesh itself. 0 if
+/// it found nothing, which is no merit.
 double againstDecimated(const Measured& method, const std::vector<Measured>& all) {
+    if (std::isnan(method.position)) {
+        return 0;
+    }
     double fastest = std::numeric_limits<double>::infinity();
     for (const Measured& one : all) {
-        if (one.triangles > 0 && one.isAsGoodAs(method)) {
+        if ((one.triangles > 0 || one.budget == unlimited) && one.isAsGoodAs(method)) {
             fastest = std::min(fastest, one.us);
         }
     }
@@ -58,19 +62,19 @@ report::Row rowOf(const RegionScore& scored, const Times& times) {
     row.measured = {{"recallPct", scored.recallPercent()},
                     {"lengthRecallPct", scored.lengthRecallPercent()},
                     {"precisionPct", scored.precisionPercent()},
-                    {"positionP50Pct", quantile(scored.positionPercent, 0.5)},
-                    {"positionP90Pct", quantile(scored.positionPercent, 0.9)},
-                    {"normalP50Deg", quantile(scored.normalDegrees, 0.5)},
-                    {"normalP90Deg", quantile(scored.normalDegrees, 0.9)},
-                    {"depthRatioP10", quantile(scored.depthRatio, 0.1)},
-                    {"depthRatioP50", quantile(scored.depthRatio, 0.5)},
-                    {"depthRatioP90", quantile(scored.depthRatio, 0.9)},
-                    {"forceP50Deg", quantile(scored.forceDegrees, 0.5)},
-                    {"forceP90Deg", quantile(scored.forceDegrees, 0.9)},
-                    {"forceRatioP50", quantile(scored.forceRatio, 0.5)},
-                    {"torqueP50Deg", quantile(scored.torqueDegrees, 0.5)},
-                    {"torqueP90Deg", quantile(scored.torqueDegrees, 0.9)},
-                    {"torqueRatioP50", quantile(scored.torqueRatio, 0.5)},
+                    {"positionP50Pct", report::quantile(scored.positionPercent, 0.5)},
+                    {"positionP90Pct", report::quantile(scored.positionPercent, 0.9)},
+                    {"normalP50Deg", report::quantile(scored.normalDegrees, 0.5)},
+                    {"normalP90Deg", report::quantile(scored.normalDegrees, 0.9)},
+                    {"depthRatioP10", report::quantile(scored.depthRatio, 0.1)},
+                    {"depthRatioP50", report::quantile(scored.depthRatio, 0.5)},
+                    {"depthRatioP90", report::quantile(scored.depthRatio, 0.9)},
+                    {"forceP50Deg", report::quantile(scored.forceDegrees, 0.5)},
+                    {"forceP90Deg", report::quantile(scored.forceDegrees, 0.9)},
+                    {"forceRatioP50", report::quantile(scored.forceRatio, 0.5)},
+                    {"torqueP50Deg", report::quantile(scored.torqueDegrees, 0.5)},
+                    {"torqueP90Deg", report::quantile(scored.torqueDegrees, 0.9)},
+                    {"torqueRatioP50", report::quantile(scored.torqueRatio, 0.5)},
                     {"regionEce", scored.forecasts.empty() ? report::notApplicable : reliability.ece},
                     {"timeSpread", report::spread(times)}};
     return row;
@@ -130,8 +134,8 @@ void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration&
         row.work = {{"workMean", work / static_cast<double>(poses.size())},
                     {"trueRegions", regions / static_cast<double>(poses.size())}};
         measuredOnes.push_back({all[m].name, all[m].budget, all[m].triangles, row.timeUs.p50,
-                                quantile(scored.positionPercent, 0.9), quantile(scored.normalDegrees, 0.9),
-                                scored.recallPercent()});
+                                report::quantile(scored.positionPercent, 0.9),
+                                report::quantile(scored.normalDegrees, 0.9), scored.recallPercent()});
         results.rows.push_back(std::move(row));
         if (all[m].name.starts_with("estimate")) {
             forecasts.insert(forecasts.end(), scored.forecasts.begin(), scored.forecasts.end());
@@ -159,14 +163,6 @@ void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration&
         }
         drawContactPlots(curves, named.name + std::string(", ") + penetration.name, options.plotFolder);
     }
-}
-
-double geometricMean(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) {
-        sum += std::log(value);
-    }
-    return std::exp(sum / static_cast<double>(values.size()));
 }
 
 }  // namespace
@@ -209,16 +205,17 @@ report::Report runContactsSuite(const Options& options) {
         row.method = "estimate " + std::to_string(budget);
         row.peer = "decimated, as good";
         row.n = ratios.size();
-        row.ratio = geometricMean(ratios);
+        row.ratio = report::geometricMean(ratios);
         results.rows.push_back(row);
     }
     const Score reliability = score(forecasts);
-    results.claims.push_back({"regions told of that are none or not proven, so that there is something to judge",
+    results.claims.push_back({"regions that are not proven, so that there is something to judge",
                               static_cast<double>(forecasts.size()), true, 10});
     if (!options.quick) {
         results.claims.push_back({"estimate " + std::to_string(contactGate.steps) +
                                       ": time of the decimated mesh as good / its, geometric mean",
-                                  geometricMean(ratiosByBudget.at(contactGate.steps)), true, contactGate.speedUp});
+                                  report::geometricMean(ratiosByBudget.at(contactGate.steps)), true,
+                                  contactGate.speedUp});
         results.claims.push_back({"calibration error of the regions' probabilities", reliability.ece, false,
                                   contactGate.regionCalibrationError});
     }

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace grapeshot::bench {
@@ -92,15 +91,6 @@ double RegionScore::precisionPercent() const {
 }
 double RegionScore::lengthRecallPercent() const {
     return 100 * m_lengthFound / m_length;
-}
-
-double quantile(std::vector<double> values, double share) {
-    if (values.empty()) {
-        return std::numeric_limits<double>::quiet_NaN();
-    }
-    const auto place = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(place), values.end());
-    return values[place];
 }
 
 }  // namespace grapeshot::bench

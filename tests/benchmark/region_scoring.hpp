@@ -2,10 +2,7 @@
 // torque they would make.
 #pragma once
 
-#include <cstdint>
-#include <functional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <grapeshot/narrowphase/crossing_regions.hpp>
@@ -35,7 +32,7 @@ class RegionScore {
     RegionScore(const RegionSettings& settings, double size) : m_settings(settings), m_size(size) {}
 
     /// @param found all regions with their probabilities; those with at least one half count as reported
-    /// @param depths of the true regions by measure, m; NaN where there is none
+    /// @param depths of the true regions by measure, m; 0 where there is none
     void add(const Regions& truth, std::span<const float> depths, const Regions& found, const Eigen::Vector3f& about);
 
     [[nodiscard]] double recallPercent() const;        ///< true regions that a reported one matches
@@ -48,15 +45,12 @@ class RegionScore {
     std::vector<double> depthRatio;  ///< to the measured depth
     // Of all poses with a force.
     std::vector<double> forceDegrees, forceRatio, torqueDegrees, torqueRatio;
-    std::vector<Forecast> forecasts;  ///< of every region found: is it one?
+    std::vector<Forecast> forecasts;  ///< of every region that is not proven: is it one?
 
   private:
     RegionSettings m_settings;
     double m_size;
     double m_true = 0, m_trueFound = 0, m_length = 0, m_lengthFound = 0, m_reported = 0, m_reportedTrue = 0;
 };
-
-/// The share-th part of the values in ascending order is below it; NaN if there are none.
-[[nodiscard]] double quantile(std::vector<double> values, double share);
 
 }  // namespace grapeshot::bench

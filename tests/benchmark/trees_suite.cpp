@@ -170,13 +170,13 @@ report::Row meanRow(const std::vector<report::Row>& rows, const std::string& sce
     mean.scenario = scenario;
     mean.method = "grapeshot";
     mean.peer = fclName;
-    double logarithms = 0;
+    std::vector<double> ratios;
     for (const report::Row& row : rows) {
         if (row.scenario != scenario || row.method != mean.method) {
             continue;
         }
         ++mean.n;
-        logarithms += std::log(row.ratio);
+        ratios.push_back(row.ratio);
         for (const auto& [name, value] : row.measured) {
             const auto found = std::ranges::find(mean.measured, name, [](const auto& entry) { return entry.first; });
             if (found == mean.measured.end()) {
@@ -187,7 +187,7 @@ report::Row meanRow(const std::vector<report::Row>& rows, const std::string& sce
         }
     }
     mean.mesh = "mean of " + std::to_string(mean.n);
-    mean.ratio = std::exp(logarithms / static_cast<double>(mean.n));
+    mean.ratio = report::geometricMean(ratios);
     for (auto& [name, value] : mean.measured) {
         value /= static_cast<double>(mean.n);
     }
