@@ -21,6 +21,13 @@ struct Budget {
     std::chrono::nanoseconds (*clock)() noexcept = nullptr;
 };
 
+/// What the budget's clock says.
+[[nodiscard]] inline std::chrono::nanoseconds timeOf(const Budget& budget) noexcept {
+    return budget.clock != nullptr ? budget.clock()
+                                   : std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                         std::chrono::steady_clock::now().time_since_epoch());
+}
+
 enum class StopReason {
     certain,       ///< proven; more work would change nothing
     probability,   ///< sure enough by the settings

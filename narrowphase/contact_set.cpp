@@ -377,6 +377,10 @@ void admit(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings
 
 }  // namespace
 
+bool hasPoints(const ContactSet& set) noexcept {
+    return std::any_of(set.slots.begin(), set.slots.end(), [](const RegionSlot& slot) { return slot.count > 0; });
+}
+
 bool refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings) {
     bool allStayed = true;
     for (RegionSlot& slot : set.slots) {

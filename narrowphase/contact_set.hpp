@@ -54,6 +54,8 @@ struct ContactSet {
     std::uint32_t droppedRegions = 0;  ///< left out because of maxRegions, in the last merge
 };
 
+[[nodiscard]] bool hasPoints(const ContactSet& set) noexcept;
+
 /// Re-evaluates the kept points in the new pose; drops those that opened beyond maxDistance or slid sideways by more
 /// than mergeDistance. True if none was dropped.
 bool refresh(ContactSet& set, const Pose& bInA, const ContactSetSettings& settings);

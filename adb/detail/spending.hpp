@@ -20,17 +20,14 @@ bool spend(const Budget& budget, const Spent& spent, const Run& run) {
     if (budget.time <= std::chrono::nanoseconds::zero()) {
         return run(std::uint64_t{0});
     }
-    const auto now = [&budget]() -> std::chrono::nanoseconds {
-        return budget.clock != nullptr ? budget.clock() : std::chrono::steady_clock::now().time_since_epoch();
-    };
-    const std::chrono::nanoseconds start = now();
+    const std::chrono::nanoseconds start = timeOf(budget);
     const std::uint64_t first = spent();
     for (;;) {
         const std::uint64_t left = budget.work - (spent() - first);
         if (run(std::min(left, unitsPerLook))) {
             return true;
         }
-        if (left <= unitsPerLook || now() - start >= budget.time) {
+        if (left <= unitsPerLook || timeOf(budget) - start >= budget.time) {
             return false;
         }
     }

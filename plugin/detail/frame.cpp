@@ -10,19 +10,13 @@ namespace {
 
 constexpr int mainIsGone = 16;  // dispatches of others
 
-std::chrono::nanoseconds nowBy(const Budget& budget) {
-    return budget.clock != nullptr ? budget.clock()
-                                   : std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                         std::chrono::steady_clock::now().time_since_epoch());
-}
-
 }  // namespace
 
 void Frame::start(const Budget& budget) {
     ++m_number;
     m_budget = budget;
     if (m_budget.time != never) {
-        m_startTime = nowBy(m_budget);
+        m_startTime = timeOf(m_budget);
     }
     m_spent = m_mandatory = 0;
     m_dispatches = m_mainDispatches = 0;
@@ -118,7 +112,7 @@ std::chrono::nanoseconds Frame::timeLeft() const {
     if (m_budget.time == never) {
         return never;
     }
-    return std::max(std::chrono::nanoseconds(0), m_budget.time - (nowBy(m_budget) - m_startTime));
+    return std::max(std::chrono::nanoseconds(0), m_budget.time - (timeOf(m_budget) - m_startTime));
 }
 
 }  // namespace detail

@@ -99,8 +99,7 @@ PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
 }
 
 bool PairContacts::touches() const {
-    const std::vector<RegionSlot>& slots = m_state.contacts.slots;
-    return std::any_of(slots.begin(), slots.end(), [](const RegionSlot& slot) { return slot.count > 0; });
+    return hasPoints(m_state.contacts);
 }
 
 PairResult PairContacts::stepSolid(const PairShapes& shapes, const PairTask&, const PairSettings& settings,
@@ -129,8 +128,7 @@ PairResult PairContacts::stepSolid(const PairShapes& shapes, const PairTask&, co
 /// Only if there is no contact: looks twice as far until there is something.
 void PairContacts::findClosest(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,
                                const Pose& pose, PairResult& result) {
-    const auto isUsed = [](const RegionSlot& slot) { return slot.count > 0; };
-    if (std::any_of(m_state.contacts.slots.begin(), m_state.contacts.slots.end(), isUsed)) {
+    if (touches()) {
         return;
     }
     std::vector<SurfaceContact> found;

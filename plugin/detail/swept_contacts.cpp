@@ -1,10 +1,10 @@
 #include <grapeshot/plugin/detail/swept_contacts.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
+#include <grapeshot/core/purse.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/pair_motion.hpp>
 
@@ -32,8 +32,7 @@ class Sweep {
           const ContactSet& touching)
         : m_shapes(shapes),
           m_task(task),
-          m_budget(budget),
-          m_start(budget.time != never ? now() : std::chrono::nanoseconds(0)),
+          m_purse(budget),
           m_settings(settings),
           m_touching(touching),
           m_motionA(motionOf(*shapes.a->getCollisionObject())),
@@ -58,14 +57,14 @@ class Sweep {
         for (int k = 1; k <= steps && after <= 0; ++k) {
             const btScalar here = seconds * btScalar(k) / btScalar(steps);
             (hits(here) ? after : before) = here;
-            if (isSpent()) {
-                return {m_work, false};
+            if (m_purse.isEmpty()) {
+                return {m_purse.spent(), false};
             }
         }
         if (after <= 0) {
-            return {m_work, true};
+            return {m_purse.spent(), true};
         }
-        for (int i = 0; i < bisections && !isSpent(); ++i) {
+        for (int i = 0; i < bisections && !m_purse.isEmpty(); ++i) {
             const btScalar middle = (before + after) / 2;
             (hits(middle) ? after : before) = middle;
         }
@@ -80,29 +79,10 @@ class Sweep {
             set.maxDistance = motion + m_settings.maxDistance;
             merge(ahead, m_found, m_now, true, set);
         }
-        return {m_work, !isSpent()};
+        return {m_purse.spent(), !m_purse.isEmpty()};
     }
 
   private:
-    [[nodiscard]] std::chrono::nanoseconds now() const {
-        return m_budget.clock != nullptr ? m_budget.clock()
-                                         : std::chrono::duration_cast<std::chrono::nanoseconds>(
-                                               std::chrono::steady_clock::now().time_since_epoch());
-    }
-    [[nodiscard]] Budget left() const {
-        Budget rest = m_budget;
-        if (rest.work != unlimited) {
-            rest.work -= std::min(rest.work, m_work);
-        }
-        if (rest.time != never) {
-            rest.time = std::max(std::chrono::nanoseconds(0), rest.time - (now() - m_start));
-        }
-        return rest;
-    }
-    [[nodiscard]] bool isSpent() const {
-        const Budget rest = left();
-        return rest.work == 0 || rest.time <= std::chrono::nanoseconds(0);
-    }
     [[nodiscard]] Pose poseAt(btScalar seconds) const {
         return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
     }
@@ -117,8 +97,8 @@ class Sweep {
         if (!isRigid(then)) {
             return false;
         }
-        const Decision decision = m_query->decide(then, DecideSettings::exact(), left());
-        m_work += decision.work;
+        const Decision decision = m_query->decide(then, DecideSettings::exact(), m_purse.left());
+        m_purse.pay(decision.work);
         return decision.certain && decision.collides;
     }
 
@@ -130,7 +110,7 @@ class Sweep {
         if (!isRigid(then)) {
             return;
         }
-        m_work += nearContacts(m_shapes, then, reach, m_settings, left(), m_then);
+        m_purse.pay(nearContacts(m_shapes, then, reach, m_settings, m_purse.left(), m_then));
         const Pose thenToNow = compose(m_now, inverse(then));  // of points fixed to B, A's frame
         for (SurfaceContact contact : m_then) {
             contact.onB = apply(thenToNow, contact.onB);
@@ -151,15 +131,13 @@ class Sweep {
 
     const PairShapes& m_shapes;
     const PairTask& m_task;
-    Budget m_budget;
-    std::chrono::nanoseconds m_start;
+    Purse m_purse;
     const PairSettings& m_settings;
     const ContactSet& m_touching;
     Motion m_motionA, m_motionB;
     Pose m_now;
     std::optional<Query> m_query;
     std::vector<SurfaceContact> m_then, m_found;
-    std::uint64_t m_work = 0;
 };
 
 }  // namespace
