@@ -32,13 +32,18 @@ struct DecideSettings {
     /// Best-first steps, one unit each, that the estimate may take; 0: exact from the start. The probability says the
     /// more the more steps; with `unlimited` it never hands over to the exact traversal, which is for queries that will
     /// be stopped anyway.
-    std::uint64_t estimateSteps = 4;
-    float acceptAt = 0.9945F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
-    float rejectAt = 0.0022F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
+    std::uint64_t estimateSteps = 16;
+    float acceptAt = 0.9961F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
+    float rejectAt = 0.0005F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
     /// Null: the default one. Must stay where it is as long as the query is used.
     const Calibration* calibration = nullptr;
     Order order = Order::depthFirst;  ///< of the exact traversal if there is no estimate before it; else depth first
     bool tryWitness = true;  ///< take up the pair that the last decision found first: one unit, good for smooth motion
+
+    /// After eight estimates in a row that came to no limit, as with bodies that rest on each other, only every eighth
+    /// decision is estimated, until that settles one; the others are exact. Which ones belongs to the query, so an
+    /// answer may depend on the decisions before it; false: never on them. Only without a limited budget.
+    bool adaptive = true;
 
     [[nodiscard]] static DecideSettings exact(Order order = Order::depthFirst) {
         return {.estimateSteps = 0, .acceptAt = 1, .rejectAt = 0, .calibration = nullptr, .order = order};
