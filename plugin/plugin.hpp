@@ -8,6 +8,7 @@
 #include <grapeshot/plugin/mass_properties.hpp>
 #include <grapeshot/plugin/registration.hpp>
 #include <grapeshot/plugin/settings.hpp>
+#include <grapeshot/plugin/shadow.hpp>
 #include <grapeshot/plugin/shape_cache.hpp>
 #include <grapeshot/plugin/statistics.hpp>
 #include <grapeshot/plugin/status.hpp>
