@@ -2,6 +2,7 @@
 #pragma once
 
 #include <grapeshot/plugin/collision_algorithm.hpp>
+#include <grapeshot/plugin/debug_draw.hpp>
 #include <grapeshot/plugin/diagnose.hpp>
 #include <grapeshot/plugin/dispatcher.hpp>
 #include <grapeshot/plugin/foreign_hierarchy.hpp>
