@@ -71,6 +71,12 @@ BulletScene::BulletScene(const std::filesystem::path& file, scenes::Engine engin
     m_state->engine = engine;
     scenes::install(engine, m_state->dispatcher, settings);
     m_state->load(bytes, file.string());
+    if (engine == scenes::Engine::grapeshot) {
+        // As GImpact builds its own: now, and not in the first step. What is no mesh or cannot be used says so, later.
+        for (int i = 0; i < m_state->importer.getNumCollisionShapes(); ++i) {
+            static_cast<void>(prebuild(m_state->importer.getCollisionShapeByIndex(i)));
+        }
+    }
 }
 
 BulletScene::~BulletScene() = default;

@@ -84,7 +84,7 @@ TEST_F(SavedQuery, WildBytesHaveANameOrDoNoHarm) {
     query.leafPairs(pose, {0.05F, Order::bestFirst}, {.work = 12}, found);
     const std::vector<std::byte> bytes = bytesOf(query);
     for (std::size_t size = 0; size < bytes.size(); ++size) {
-        ByteReader in(std::span(bytes).first(size));
+        ByteReader in{std::span(bytes).first(size)};
         EXPECT_THROW(static_cast<void>(Query::load(a, b, in)), Error) << size;
     }
     int refused = 0;

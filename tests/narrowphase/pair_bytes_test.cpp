@@ -82,7 +82,7 @@ TEST_F(SavedPairState, CutOffOrOfSmallerMeshesHasAName) {
     }
     const std::vector<std::byte> bytes = bytesOf(state);
     for (std::size_t size = 0; size < bytes.size(); size += 13) {
-        ByteReader in(std::span(bytes).first(size));
+        ByteReader in{std::span(bytes).first(size)};
         EXPECT_THROW(static_cast<void>(loadPairState(in, {&a, &b})), Error) << size;
     }
     const MeshModel tiny = makeModel(scenes::box({1, 1, 1}).view());

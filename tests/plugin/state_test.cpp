@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include <grapeshot/core/content_key.hpp>
+#include <grapeshot/plugin/detail/body_state.hpp>
 
 #include "bullet_fixture.hpp"
 
@@ -136,6 +137,39 @@ TEST(State, GoesOnWithTheSameBytesOnTheTreesOfBulletsBroadphase) {
     expectSameAfter<btDbvtBroadphase>(settings, 100, 150);
     settings.frameBudget.work = 100;
     expectSameAfter<btDbvtBroadphase>(settings, 100, 150);
+}
+
+TEST(State, GoesOnOnAnotherNumberOfThreads) {
+    Scene scene;
+    Settings settings;
+    settings.frameBudget.work = 200;
+    World<btSimpleBroadphase> whole(settings);
+    scene.fill(whole);
+    whole.step(50);
+    const std::vector<std::byte> bytes = saved(whole);
+    const std::vector<std::uint64_t> expected = trace(whole, 60);
+    for (const int threads : {2, 4}) {
+        settings.threads = threads;
+        World<btSimpleBroadphase> again(settings);
+        scene.fill(again);
+        ASSERT_EQ(restoreState(&again.world, bytes), Status::ok);
+        EXPECT_EQ(trace(again, 60), expected) << threads;
+    }
+}
+
+TEST(State, WithoutItsMemoryAPileGoesAnotherWay) {
+    // Only poses and velocities, as a program can restore them by itself: not the same bytes, so the rest is needed.
+    Scene scene;
+    World<btSimpleBroadphase> whole;
+    scene.fill(whole);
+    whole.step(100);
+    World<btSimpleBroadphase> again;
+    scene.fill(again);
+    for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
+        apply(detail::stateOf(*whole.bodies[i]), *again.bodies[i]);
+    }
+    ASSERT_EQ(hashOf(again), hashOf(whole));
+    EXPECT_NE(trace(again, 30), trace(whole, 30));
 }
 
 TEST(State, GoesOnFromAnyStep) {
