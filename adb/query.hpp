@@ -19,6 +19,9 @@
 
 namespace grapeshot {
 
+class ByteReader;
+class ByteWriter;
+
 /// How node pairs are taken up.
 enum class Order {
     depthFirst,  ///< nearest child first; fastest to the end
@@ -156,6 +159,13 @@ class Query {
     /// Only the triangle tests of given leaf pairs, one unit each. `out` is cleared; if the budget ends it, `out.work`
     /// says how many were done, from the front. Leaf indices out of range give invalidInput.
     void contactsOf(std::span<const LeafPair> pairs, const Pose& bInA, float maxDistance, Budget budget, Contacts& out);
+
+    /// Where a `contacts` or `leafPairs` is, so that it can be resumed after `load`, with the same bytes. Of a `decide`
+    /// nothing is written: then there is nothing to resume.
+    void save(ByteWriter& out) const;
+    /// The trees must be the ones that the saved query had, byte by byte; others give other answers, but whatever the
+    /// bytes are, nothing outside of the trees is touched. @throws Error badFile
+    [[nodiscard]] static Query load(const Tree& a, const Tree& b, ByteReader& in);
 
   private:
     struct State;

@@ -180,6 +180,10 @@ class Draft {
 
 }  // namespace
 
+ContentKey contentKey(const Tree& tree) {
+    return arraysHash(tree);
+}
+
 void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesystem::path& file) {
     Header header;
     header.nodes = tree.nodes.size();
