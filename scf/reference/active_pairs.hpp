@@ -45,6 +45,7 @@ struct Contact {
     std::uint32_t triangleB = 0;
     float distance = 0;     ///< m
     bool bySpread = false;  ///< found from a neighbouring hit, not by an active pair
+    friend bool operator==(const Contact&, const Contact&) = default;
 };
 
 /// What a step did: counts, the same on every machine.
@@ -58,12 +59,14 @@ struct Work {
     std::size_t redundant = 0;  ///< removed
     std::size_t far = 0;        ///< removed
     std::size_t spread = 0;     ///< pairs looked at around hits
+    friend bool operator==(const Work&, const Work&) = default;
 };
 
 struct StepResult {
     std::vector<Contact> contacts;                           ///< by triangles, each pair once
     float closest = std::numeric_limits<float>::infinity();  ///< m, of the active pairs: an upper bound of the distance
     Work work;
+    friend bool operator==(const StepResult&, const StepResult&) = default;
 };
 
 /// Adds new pairs, lets every pair go downhill, removes what is redundant or far, and reports what collides. Vertices
