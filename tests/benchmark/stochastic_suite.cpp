@@ -53,6 +53,10 @@ std::vector<StochasticMethod> methods(const FreeParameters& parameters) {
     add("with, half uniform", withHierarchy(), [](Settings& s) { s.hierarchyShare = 0.5; });
     const int toConvergence = Settings().mostMoves;
     add("with, to convergence", withHierarchy(), [&](Settings& s) { s.mostMoves = toConvergence; });
+    add("with, to convergence, 60 new", withHierarchy(), [&](Settings& s) {  // the work of "without, to convergence"
+        s.mostMoves = toConvergence;
+        s.newPairs = 60;
+    });
     add("with, one move a step", withHierarchy(), [](Settings& s) { s.mostMoves = 1; });
     add("with, within overlap", withHierarchy(), [](Settings& s) { s.tries = 16; });
     add("with, spread", withHierarchy(), [](Settings& s) { s.spread = true; });
@@ -200,7 +204,7 @@ report::Report runStochasticSuite(const Options& options) {
         .suite = "stochastic", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
     addPublishedRows(published, results);
     const std::vector<StochasticMethod> all = methods({});
-    const int episodes = options.repetitions.value_or(options.quick ? 1 : 40);
+    const int episodes = options.repetitions.value_or(options.quick ? 1 : 60);
     const std::vector<Recall> recalls = measureScenes(reportedApproaches(), all, episodes, options.seed, results);
     if (!options.plotFolder.empty()) {
         drawStochasticPlots(all, recalls, published, options.plotFolder);
