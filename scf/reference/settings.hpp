@@ -49,7 +49,7 @@ struct Settings {
     int mostMoves = 1000;  ///< >= 1: moves to closer neighbours per pair and step; 1000 is to convergence
     Redundancy redundancy = Redundancy::samePair;
     bool removeFar = true;       ///< by `removeFactor` times the smallest distance + `removeOffset` times the size
-    double removeFactor = 1.2;   /// >= 1
+    double removeFactor = 1.2;   ///< >= 1
     double removeOffset = 0.01;  ///< >= 0, of the larger body's diagonal
     CollisionTest collisionTest = CollisionTest::triangles;
     float maxDistance = 0.001F;  ///< >= 0, m: closer is a collision

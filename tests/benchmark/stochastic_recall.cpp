@@ -5,6 +5,8 @@
 #include <optional>
 #include <set>
 
+#include <grapeshot/scf/reference/active_pairs.hpp>
+
 #include "contact_ages.hpp"
 
 namespace grapeshot::bench {

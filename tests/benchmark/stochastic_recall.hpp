@@ -3,10 +3,9 @@
 
 #include <array>
 #include <cstddef>
-#include <string>
 #include <vector>
 
-#include <grapeshot/scf/reference/active_pairs.hpp>
+#include "stochastic_methods.hpp"
 #include "stochastic_scenes.hpp"
 
 namespace grapeshot::bench {
@@ -14,12 +13,6 @@ namespace grapeshot::bench {
 inline constexpr int mostAge = 16;      ///< the table of the paper ends there
 inline constexpr int stepsBefore = 10;  ///< a method sees the bodies so long before they first touch
 inline constexpr int stepsAfter = 24;
-
-struct StochasticMethod {
-    std::string name;
-    scf::reference::Settings settings;
-    bool remembers = true;  ///< off: every step starts without pairs
-};
 
 /// Regions by age; a region counts once in each step in which it exists.
 struct Recall {

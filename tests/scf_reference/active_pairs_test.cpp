@@ -19,30 +19,15 @@
 namespace grapeshot::scf::reference {
 namespace {
 
+using test::approach;
+using test::approachSteps;
 using test::Bodies;
+using test::distanceAt;
+using test::History;
 
 const Bodies& bodies() {
     static const Bodies both;
     return both;
-}
-
-/// From apart to 0.3 m deep.
-constexpr int approachSteps = 12;
-float distanceAt(int step) {
-    return 1.4F - 0.04F * static_cast<float>(step);
-}
-
-struct History {
-    State state;
-    std::vector<StepResult> results;
-};
-
-History approach(const Settings& settings) {
-    History history;
-    for (int i = 0; i < approachSteps; ++i) {
-        history.results.push_back(bodies().step(settings, history.state, distanceAt(i)));
-    }
-    return history;
 }
 
 using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
@@ -125,15 +110,15 @@ TEST(ActivePairs, AreAFunctionOfSeedStateAndInput) {
     for (const Settings& base : {withHierarchy(), withoutHierarchy()}) {
         Settings settings = base;
         settings.velocityShare = 1 - settings.hierarchyShare;
-        const History first = approach(settings);
-        const History again = approach(settings);
+        const History first = approach(bodies(), settings);
+        const History again = approach(bodies(), settings);
         EXPECT_EQ(first.state, again.state);
         EXPECT_EQ(first.results, again.results);
         settings.seed = 2;
-        EXPECT_NE(approach(settings).state, first.state);
+        EXPECT_NE(approach(bodies(), settings).state, first.state);
         settings.seed = 1;
         settings.pair = 2;
-        EXPECT_NE(approach(settings).state, first.state);
+        EXPECT_NE(approach(bodies(), settings).state, first.state);
     }
 }
 
@@ -151,10 +136,10 @@ TEST(ActivePairs, GoBackToACopiedState) {
 
 TEST(ActivePairs, AreTheSameOnEveryInstructionSet) {
     const InstructionSet best = instructionSet();
-    const State wide = approach({}).state;
+    const State wide = approach(bodies(), {}).state;
     for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::avx2}) {
         limitInstructionSet(set);
-        EXPECT_EQ(approach({}).state, wide);
+        EXPECT_EQ(approach(bodies(), {}).state, wide);
     }
     limitInstructionSet(best);
 }
@@ -303,71 +288,6 @@ TEST(ActivePairs, StayCoarseWhileFarAndBecomeFineWhenNear) {
     }
 }
 
-TEST(ActivePairs, EverySettingDoesSomething) {
-    struct Change {
-        const char* name;
-        std::function<void(Settings&)> apply;
-    };
-    const std::vector<Change> changes{
-        {"newPairs", [](Settings& s) { s.newPairs = 20; }},
-        {"velocityShare", [](Settings& s) { s.velocityShare = 0.5; }},
-        {"hierarchyShare", [](Settings& s) { s.hierarchyShare = 0; }},
-        {"hierarchyDepth", [](Settings& s) { s.hierarchyDepth = 2; }},
-        {"tries", [](Settings& s) { s.tries = 8; }},
-        {"multires", [](Settings& s) { s.multires = true; }},
-        {"update", [](Settings& s) { s.update = Update::full; }},
-        {"mostMoves", [](Settings& s) { s.mostMoves = 1; }},
-        {"redundancy none", [](Settings& s) { s.redundancy = Redundancy::none; }},
-        {"redundancy neighbours", [](Settings& s) { s.redundancy = Redundancy::neighbours; }},
-        {"removeFar", [](Settings& s) { s.removeFar = false; }},
-        {"removeFactor", [](Settings& s) { s.removeFactor = 3; }},
-        {"removeOffset", [](Settings& s) { s.removeOffset = 0.05; }},
-        {"collisionTest", [](Settings& s) { s.collisionTest = CollisionTest::radii; }},
-        {"maxDistance", [](Settings& s) { s.maxDistance = 0.01F; }},
-        {"spread", [](Settings& s) { s.spread = true; }},
-        {"mostPairs", [](Settings& s) { s.mostPairs = 3; }},
-    };
-    Settings base;
-    base.hierarchyShare = 0.5;
-    base.removeFactor = 2;
-    const History before = approach(base);
-    for (const Change& change : changes) {
-        Settings settings = base;
-        change.apply(settings);
-        const History after = approach(settings);
-        EXPECT_TRUE(after.state != before.state || after.results != before.results) << change.name;
-    }
-}
-
-TEST(ActivePairs, ChangeLevelsWhereTheSettingsSay) {
-    Settings base = withoutHierarchy();
-    base.multires = true;
-    base.removeFar = false;
-    const auto there = [](const Settings& settings) {
-        std::vector<State> states;
-        State state;
-        for (const float distance : {1.2F, 3.0F, 4.0F, 5.0F, 6.0F, 5.0F, 4.0F, 3.0F, 2.0F, 1.2F}) {
-            bodies().step(settings, state, distance);
-            states.push_back(state);
-        }
-        return states;
-    };
-    Settings later = base;
-    later.refineAt = 0.3;
-    EXPECT_NE(there(later), there(base));
-    Settings sooner = base;
-    sooner.coarsenAt = 1.2;
-    EXPECT_NE(there(sooner), there(base));
-}
-
-TEST(ActivePairs, TheSumOfRadiiFindsMoreThanThereIs) {
-    Settings settings;
-    settings.collisionTest = CollisionTest::radii;
-    State state;
-    EXPECT_FALSE(bodies().step(settings, state, 1.35F).contacts.empty());
-    EXPECT_TRUE(truePairs(1.35F, 0.001).empty());
-}
-
 TEST(ActivePairs, BadInputIsNamedAndLeavesTheState) {
     State state;
     bodies().step({}, state, 1.1F);
@@ -392,36 +312,6 @@ TEST(ActivePairs, BadInputIsNamedAndLeavesTheState) {
     EXPECT_EQ(test::faultOf([&] { step(other, other, box.vertices, box.vertices, {}, state); }),
               Fault::indexOutOfRange);
     EXPECT_EQ(state, before);
-}
-
-TEST(ActivePairs, SettingsOutOfRangeAreNamed) {
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    const std::vector<std::function<void(Settings&)>> changes{
-        [](Settings& s) { s.newPairs = -1; },
-        [](Settings& s) { s.velocityShare = -0.1; },
-        [](Settings& s) { s.hierarchyShare = 1.1; },
-        [nan](Settings& s) { s.hierarchyShare = nan; },
-        [](Settings& s) { s.velocityShare = 0.1; },  // 1.1 with the hierarchy's share
-        [](Settings& s) { s.hierarchyDepth = -1; },
-        [](Settings& s) { s.hierarchyDepth = 17; },
-        [](Settings& s) { s.tries = 0; },
-        [](Settings& s) { s.refineAt = 0; },
-        [](Settings& s) { s.coarsenAt = 1; },
-        [](Settings& s) { s.mostMoves = 0; },
-        [](Settings& s) { s.removeFactor = 0.9; },
-        [nan](Settings& s) { s.removeOffset = nan; },
-        [](Settings& s) { s.maxDistance = -1; },
-        [](Settings& s) { s.mostSpread = -1; },
-        [](Settings& s) { s.mostPairs = 0; },
-    };
-    for (std::size_t i = 0; i < changes.size(); ++i) {
-        Settings settings;
-        changes[i](settings);
-        State state;
-        EXPECT_EQ(test::faultOf([&] { bodies().step(settings, state, 1.1F); }), Fault::badSetting) << i;
-    }
-    EXPECT_EQ(test::faultOf([] { requireUsable(withHierarchy()); }), std::nullopt);
-    EXPECT_EQ(test::faultOf([] { requireUsable(withoutHierarchy()); }), std::nullopt);
 }
 
 /// Open, in pieces, with a spike of no area, doubled and unused vertices.

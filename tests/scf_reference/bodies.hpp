@@ -40,4 +40,23 @@ struct Bodies {
     }
 };
 
+/// From apart to 0.3 m deep.
+inline constexpr int approachSteps = 12;
+inline float distanceAt(int step) {
+    return 1.4F - 0.04F * static_cast<float>(step);
+}
+
+struct History {
+    State state;
+    std::vector<StepResult> results;
+};
+
+inline History approach(const Bodies& bodies, const Settings& settings) {
+    History history;
+    for (int i = 0; i < approachSteps; ++i) {
+        history.results.push_back(bodies.step(settings, history.state, distanceAt(i)));
+    }
+    return history;
+}
+
 }  // namespace grapeshot::test
