@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include <grapeshot/scf/reference/detail/fan_distance.hpp>
 #include <grapeshot/scf/reference/detail/pair_creation.hpp>
 #include <grapeshot/scf/reference/detail/shallow_tree.hpp>
 #include <grapeshot/scf/reference/surface.hpp>
@@ -88,6 +89,52 @@ TEST(ShallowTrees, HoldTheirTrianglesAndProposeEveryContact) {
     EXPECT_GT(before, 20U);
     // Far fewer than all pairs of leaves: that is what it is for.
     EXPECT_LT(before, 256U * 256U / 20);
+}
+
+TEST(ShallowTrees, ReachAsFarAsTheyAreTold) {
+    const scenes::Mesh box = scenes::box({1, 1, 1}, 4);
+    const Surface surface = buildSurface(box.view());
+    const std::vector<Eigen::Vector3f> beside = test::placed(box, {2.05F, 0, 0});
+    const PlacedSurface a(surface, box.vertices, "A");
+    const PlacedSurface b(surface, beside, "B");
+    std::size_t tests = 0;
+    EXPECT_TRUE(overlappingNodes(surface.tree, a.boxes(), surface.tree, b.boxes(), 5, 0.04F, tests).empty());
+    EXPECT_FALSE(overlappingNodes(surface.tree, a.boxes(), surface.tree, b.boxes(), 5, 0.06F, tests).empty());
+    EXPECT_FALSE(overlappingNodes(surface.tree, b.boxes(), surface.tree, a.boxes(), 5, 0.06F, tests).empty());
+}
+
+TEST(Fans, AreAsFarApartAsTheirClosestTriangles) {
+    const std::vector<Eigen::Vector3f> atB = bodies().atB(1.0F);
+    const PlacedSurface a(bodies().a, bodies().atA, "A");
+    const PlacedSurface b(bodies().b, atB, "B");
+    const MeshView meshA{bodies().atA, bodies().mesh.triangles};
+    const MeshView meshB{atB, bodies().mesh.triangles};
+    const auto features = static_cast<std::uint32_t>(bodies().a.levels[0].centre.size());
+    int near = 0;
+    for (std::uint32_t featureA = 0; featureA < features; ++featureA) {
+        for (std::uint32_t featureB = 0; featureB < features; ++featureB) {
+            // Farther apart, many triangles share the closest corner.
+            if ((a.at(0, featureA) - b.at(0, featureB)).norm() > 0.12F) {
+                continue;
+            }
+            ++near;
+            std::size_t pairs = 0;
+            const FanDistance fan = fanDistance(a, featureA, b, featureB, pairs);
+            const auto truth = [&](std::uint32_t s, std::uint32_t t) {
+                return test::triangleDistance(test::cornersOf(meshA, s), test::cornersOf(meshB, t));
+            };
+            double least = 1e9;
+            for (const std::uint32_t s : bodies().a.fan[featureA]) {
+                for (const std::uint32_t t : bodies().b.fan[featureB]) {
+                    least = std::min(least, truth(s, t));
+                }
+            }
+            EXPECT_NEAR(fan.distance, least, 1e-5);
+            EXPECT_NEAR(truth(fan.triangleA, fan.triangleB), least, 1e-5);
+            EXPECT_EQ(pairs, bodies().a.fan[featureA].size() * bodies().b.fan[featureB].size());
+        }
+    }
+    EXPECT_GT(near, 100);
 }
 
 TEST(NewPairs, OfTheHierarchyLieWhereBoxesOverlap) {
