@@ -222,7 +222,7 @@ TEST(Decide, AnEstimateKnowsNothingOfTheQueriesBefore) {
     // The same query again and again, and one of its own for each pose, on every instruction set.
     const InstructionSetGuard guard;
     const Tree tree = build(scenes::bumpySphere(1, 0.25F, 6, 10).view());
-    DecideSettings settings{.estimateSteps = 16, .acceptAt = 1, .rejectAt = 0.01F};
+    DecideSettings settings{.estimateSteps = 16, .acceptAt = 1, .rejectAt = 0.01F, .adaptive = false};
     settings.tryWitness = false;
     for (const InstructionSet set : instructionSets()) {
         limitInstructionSet(set);

@@ -107,14 +107,14 @@ TEST(Tuning, BadSettingsAreNamed) {
     }
 }
 
-/// A pose that the estimate leaves open: after the last step the exact part has something to do.
+/// A clear pose that the estimate leaves open, and that takes another number of steps without it.
 Pose openPose(const Tree& tree) {
-    for (const Pose& pose : grazingPoses(tree, tree, 20, 0.004, 5)) {
+    for (const Pose& pose : grazingPoses(tree, tree, 60, 0.004, 5)) {
         Query query(tree, tree);
         Query exact(tree, tree);
-        const std::uint64_t work = exact.decide(pose, DecideSettings::exact()).work;
+        const Decision truth = exact.decide(pose, DecideSettings::exact());
         const Decision decision = query.decide(pose);
-        if (decision.certain && decision.work != work && work > 2 * DecideSettings().estimateSteps) {
+        if (!truth.collides && decision.certain && decision.work != truth.work) {
             return pose;
         }
     }
