@@ -29,7 +29,7 @@ endif()
 # <grapeshot/adb/tree.hpp> in the build tree and in the installed tree alike: one link per room.
 set(GRAPESHOT_INCLUDE_DIR ${CMAKE_CURRENT_BINARY_DIR}/include)
 file(MAKE_DIRECTORY ${GRAPESHOT_INCLUDE_DIR}/grapeshot)
-foreach(room core adb narrowphase plugin plugin.hpp)
+foreach(room core adb scf narrowphase plugin plugin.hpp)
     set(target ${CMAKE_CURRENT_SOURCE_DIR}/${room})
     if(room STREQUAL "plugin.hpp")
         set(target ${CMAKE_CURRENT_SOURCE_DIR}/plugin/plugin.hpp)
