@@ -12,8 +12,8 @@ namespace grapeshot::detail {
 struct alignas(64) PosedLeaf {
     float corner[3][3][16];         ///< [corner][axis][lane]
     float low[3][16], high[3][16];  ///< of each triangle; of an unused lane, such that nothing is near
-    float boxLow[3], boxHigh[3];    ///< of all
     float middle[3][16];            ///< centroids at rest
+    float boxLow[3], boxHigh[3];    ///< of all; behind what is read in whole registers
 };
 
 /// Bit 4 a + b: the balls a and b of the two fours are at most `reach` apart. Also if a number is not finite.
