@@ -40,11 +40,19 @@ inline constexpr BallRef ballLeafBit = 0x80000000U;
     return ref & ~ballLeafBit;
 }
 
+/// The ball of a piece by itself.
+struct PieceBall {
+    std::uint32_t center = 0;  ///< a vertex of the mesh, usually of the piece
+    float radius = 0;          ///< largest distance along edges at rest from the centre to a corner of the piece, m,
+                               ///< rounded up; infinite if the piece is not connected
+    float restRadius = 0;      ///< largest distance at rest from the centre to a centroid of the triangles, m
+};
+
 /// Up to four pieces of a piece. Empty slots stand last and have child noBall.
 struct BallNode {
-    std::uint32_t center[4];  ///< a vertex of the mesh, usually of the piece
-    float radius[4];          ///< largest distance along edges at rest from the centre to a corner of the piece, m,
-                              ///< rounded up; infinite if the piece is not connected
+    PieceBall own;             ///< of the root: infinite
+    std::uint32_t center[4];   ///< as the children's own
+    float radius[4];
     BallRef child[4];
     std::uint32_t count;  ///< 1..4
 };
@@ -53,9 +61,8 @@ struct BallNode {
 struct BallLeaf {
     std::uint32_t triangle[16];
     std::uint32_t corner[3][16];
-    float middle[3][16];  ///< centroids at rest, m
-    std::uint32_t center;
-    float radius;         ///< as in BallNode
+    float middle[3][16];  ///< centroids at rest
+    PieceBall own;
     std::uint32_t count;  ///< 1..16
 };
 
@@ -70,6 +77,10 @@ struct BallTree {
     std::vector<std::uint32_t> leafOfTriangle;
     IndexLists leafVertices;  ///< distinct corners of each leaf
     float extent = 0;         ///< m, largest distance of a vertex from the rest frame's origin
+
+    [[nodiscard]] const PieceBall& own(BallRef ref) const {
+        return isBallLeaf(ref) ? leaves[ballIndex(ref)].own : nodes[ballIndex(ref)].own;
+    }
 };
 
 /// Splits at medians of the difference of the distances from both ends of a piece, so that leaves are full; pieces that

@@ -57,13 +57,16 @@ class Builder {
     void run() {
         m_tree.leafOfTriangle.resize(m_order.size());
         m_tree.leafVertices.begin.push_back(0);
+        constexpr float infinity = std::numeric_limits<float>::infinity();
+        const PieceBall root{m_surface.triangles[0][0], infinity, infinity};
         const Range all{0, static_cast<std::uint32_t>(m_order.size())};
         if (all.size() <= leafSize) {
             m_tree.nodes.push_back({});
+            m_tree.nodes[0].own = root;
             m_tree.restBalls.push_back({});
             fillSlots(0, {all});
         } else {
-            addNode(all);
+            addNode(all, root);
         }
     }
 
@@ -73,9 +76,10 @@ class Builder {
         [[nodiscard]] std::size_t size() const { return end - begin; }
     };
 
-    std::uint32_t addNode(const Range& range) {
+    std::uint32_t addNode(const Range& range, const PieceBall& own) {
         const auto index = static_cast<std::uint32_t>(m_tree.nodes.size());
         m_tree.nodes.push_back({});
+        m_tree.nodes[index].own = own;
         m_tree.restBalls.push_back({});
         std::vector<Range> parts;
         for (const Range& half : split(range)) {
@@ -98,10 +102,10 @@ class Builder {
         }
         m_tree.nodes[index].count = static_cast<std::uint32_t>(parts.size());
         for (std::size_t slot = 0; slot < parts.size(); ++slot) {
-            const auto [center, radius] = ballAround(parts[slot]);
-            m_tree.nodes[index].center[slot] = center;
-            m_tree.nodes[index].radius[slot] = radius;
-            const Eigen::Vector3f& middle = m_surface.rest[center];
+            PieceBall own = ballAround(parts[slot]);
+            m_tree.nodes[index].center[slot] = own.center;
+            m_tree.nodes[index].radius[slot] = own.radius;
+            const Eigen::Vector3f& middle = m_surface.rest[own.center];
             float reach = 0;
             for (std::uint32_t i = parts[slot].begin; i < parts[slot].end; ++i) {
                 reach = std::max(reach, (m_middle[m_order[i]] - middle).norm());
@@ -109,20 +113,19 @@ class Builder {
             for (int axis = 0; axis < 3; ++axis) {
                 m_tree.restBalls[index].center[axis][slot] = middle[axis];
             }
-            m_tree.restBalls[index].radius[slot] = reach * 1.00001F;
-            const BallRef child =
-                parts[slot].size() <= leafSize ? addLeaf(parts[slot], center, radius) : addNode(parts[slot]);
+            own.restRadius = reach * 1.00001F;
+            m_tree.restBalls[index].radius[slot] = own.restRadius;
+            const BallRef child = parts[slot].size() <= leafSize ? addLeaf(parts[slot], own) : addNode(parts[slot], own);
             m_tree.nodes[index].child[slot] = child;
         }
     }
 
-    BallRef addLeaf(const Range& range, std::uint32_t center, float radius) {
+    BallRef addLeaf(const Range& range, const PieceBall& own) {
         const auto index = static_cast<std::uint32_t>(m_tree.leaves.size());
         // In the caller's order: neighbours in memory are then likelier neighbours here.
         std::sort(m_order.begin() + range.begin, m_order.begin() + range.end);
         BallLeaf leaf{};
-        leaf.center = center;
-        leaf.radius = radius;
+        leaf.own = own;
         leaf.count = static_cast<std::uint32_t>(range.size());
         for (std::size_t lane = 0; lane < leafSize; ++lane) {
             const bool used = lane < range.size();
@@ -286,39 +289,34 @@ class Builder {
         return {{range.begin, range.begin + left}, {range.begin + left, range.end}};
     }
 
-    struct Ball {
-        std::uint32_t center;
-        float radius;
-    };
-
     /// The best of two tries for the middle: as far from both ends, then also from what was farthest from the first.
-    Ball ballAround(const Range& range) {
+    PieceBall ballAround(const Range& range) {
         if (!isOnePiece(range)) {
             gather(range);
-            return {m_vertices.front(), std::numeric_limits<float>::infinity()};
+            return {m_vertices.front(), std::numeric_limits<float>::infinity(), 0};
         }
         measureEnds(range);
         rememberKeys(range);
         for (std::size_t i = 0; i < m_vertices.size(); ++i) {
             m_fromFirst[i] = std::max(m_fromFirst[i], m_fromSecond[i]);
         }
-        Ball best = tryNearest();
+        PieceBall best = tryNearest();
         const std::uint32_t corner = m_vertices[farthestOf(m_fromSecond)];
         m_geodesics.withinGoals(corner, m_fromSecond);
         for (std::size_t i = 0; i < m_vertices.size(); ++i) {
             m_fromFirst[i] = std::max(m_fromFirst[i], m_fromSecond[i]);
         }
-        const Ball second = tryNearest();
+        const PieceBall second = tryNearest();
         return second.radius < best.radius ? second : best;
     }
 
     /// Around the vertex that is nearest to all ends; leaves the distances from it in m_fromSecond.
-    Ball tryNearest() {
+    PieceBall tryNearest() {
         const auto nearest = std::min_element(m_fromFirst.begin(), m_fromFirst.end()) - m_fromFirst.begin();
         const std::uint32_t center = m_vertices[static_cast<std::size_t>(nearest)];
         const double radius = m_geodesics.withinGoals(center, m_fromSecond) ? m_fromSecond[farthestOf(m_fromSecond)]
                                                                             : m_geodesics.radiusNear(center);
-        return {center, std::nextafter(static_cast<float>(radius), std::numeric_limits<float>::infinity())};
+        return {center, std::nextafter(static_cast<float>(radius), std::numeric_limits<float>::infinity()), 0};
     }
 
     BallTree& m_tree;

@@ -50,9 +50,10 @@ class Inspector {
             const std::vector<std::uint32_t> part = leaf ? ofLeaf(ballIndex(child)) : below(ballIndex(child));
             checkBall(name + ", slot " + std::to_string(slot), node.center[slot], node.radius[slot], part);
             checkRestBall(name + ", slot " + std::to_string(slot), m_tree.restBalls[index], slot, part);
-            if (leaf && (m_tree.leaves[ballIndex(child)].center != node.center[slot] ||
-                         m_tree.leaves[ballIndex(child)].radius != node.radius[slot])) {
-                say(name + ": its leaf has another ball");
+            const PieceBall& own = m_tree.own(child);
+            if (own.center != node.center[slot] || own.radius != node.radius[slot] ||
+                own.restRadius != m_tree.restBalls[index].radius[slot]) {
+                say(name + ": the child has another ball");
             }
             all.insert(all.end(), part.begin(), part.end());
         }

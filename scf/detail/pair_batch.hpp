@@ -47,6 +47,9 @@ class PairBatch {
         signedDistances(m_a, m_b, m_out);
         return std::exchange(m_count, 0);
     }
+    /// Were all corners finite that came straight from the positions, since `forget`?
+    [[nodiscard]] bool isFinite() const { return m_zero == 0; }
+    void forget() { m_zero = 0; }
     [[nodiscard]] const TrianglePair& pair(int lane) const { return m_pair[lane]; }
     [[nodiscard]] const DistanceBatch& out() const { return m_out; }
     /// Corners of a lane of B, for its normal.
@@ -63,12 +66,13 @@ class PairBatch {
             }
         }
     }
-    void copyTriangle(const PosedTree& tree, std::uint32_t triangle, TriangleBatch& to) const {
+    void copyTriangle(const PosedTree& tree, std::uint32_t triangle, TriangleBatch& to) {
         for (int corner = 0; corner < 3; ++corner) {
             const Eigen::Vector3f p =
                 tree.point(tree.tree().surface.triangles[triangle][static_cast<std::size_t>(corner)]);
             for (int axis = 0; axis < 3; ++axis) {
                 to.corner[corner][axis][m_count] = p[axis];
+                m_zero += p[axis] - p[axis];
             }
         }
     }
@@ -77,6 +81,7 @@ class PairBatch {
     DistanceBatch m_out{};
     TrianglePair m_pair[batchWidth];
     int m_count = 0;
+    float m_zero = 0;
 };
 
 }  // namespace grapeshot::detail

@@ -28,6 +28,10 @@ class PairSearch {
     template <class Found>
     bool runLeaves(const PairSpace& space, std::uint32_t leafA, std::uint32_t leafB, bool eager, Found&& found);
 
+    /// The nearest pair that the last `runLeaves` has tested, and its distance, m; none: noTriangle.
+    [[nodiscard]] const TrianglePair& nearest() const { return m_nearest; }
+    [[nodiscard]] float nearestDistance() const { return m_nearestDistance; }
+
     [[nodiscard]] std::uint64_t work() const { return m_work; }
     void resetWork() { m_work = 0; }
 
@@ -37,6 +41,8 @@ class PairSearch {
 
     std::vector<BallPair> m_stack;
     PairBatch m_batch;
+    TrianglePair m_nearest;
+    float m_nearestDistance = 0;
     std::uint64_t m_work = 0;
 };
 
@@ -48,6 +54,10 @@ bool PairSearch::flush(const PairSpace& space, Found&& found) {
     ++m_work;
     const int count = m_batch.run();
     for (int lane = 0; lane < count; ++lane) {
+        if (m_nearest.triangleA == noTriangle || m_batch.out().signedDistance[lane] < m_nearestDistance) {
+            m_nearest = m_batch.pair(lane);
+            m_nearestDistance = m_batch.out().signedDistance[lane];
+        }
         if (m_batch.out().signedDistance[lane] <= space.reach && !found(m_batch, lane)) {
             return false;
         }
@@ -62,6 +72,7 @@ bool PairSearch::runLeaves(const PairSpace& space, std::uint32_t leafA, std::uin
     const PosedLeaf& b = space.b->leaf(leafB);
     const bool same = space.isSelf() && leafA == leafB;
     std::uint16_t row[16];
+    m_nearest = {};
     m_work += closeRows(a, b, space.reach, space.exclusion, row);
     const std::uint32_t* const trianglesA = space.a->tree().leaves[leafA].triangle;
     const std::uint32_t* const trianglesB = space.b->tree().leaves[leafB].triangle;

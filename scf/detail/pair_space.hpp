@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
 
 #include <grapeshot/scf/detail/posed_tree.hpp>
@@ -46,42 +45,53 @@ struct PairSpace {
         return false;
     }
 
-    /// Sixteen balls against each other: one unit, two for a body with itself. Both must not be leaves.
+    /// Sixteen balls against each other: one unit, two for a body with itself. Not both whole; leaves always are.
     /// @param weight as overlappingBalls has it; null: not wanted. A piece with itself has weight 1
-    std::uint64_t expand(const BallPair& pair, ChildPairs& out, float (*weight)[16]) const;
+    /// @param wholeA do not open this one, which is not the root
+    std::uint64_t expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA = false,
+                         bool wholeB = false) const;
 };
 
-inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, float (*weight)[16]) const {
-    struct Side {
-        FourBalls ball;  // of a leaf
-        const FourBalls* balls;
-        std::uint32_t count;
-    };
-    const auto sideOf = [](PosedTree& tree, BallRef ref, std::array<BallRef, 4>& child, Side& side) {
-        if (isBallLeaf(ref)) {
-            side.ball = tree.ballOfLeaf(ballIndex(ref));
-            side.balls = &side.ball;
-            side.count = 1;
-            child[0] = ref;
-        } else {
-            const BallNode& node = tree.node(ballIndex(ref));
-            side.balls = &tree.balls(ballIndex(ref));
-            side.count = node.count;
+/// The children of a piece, or the piece itself in place of them.
+struct OpenPiece {
+    FourBalls ownBall{}, ownRestBall{};
+    const FourBalls* balls = &ownBall;
+    const FourBalls* restBalls = &ownRestBall;
+    std::uint32_t count = 1;
+
+    OpenPiece(PosedTree& posed, BallRef ref, bool whole, bool isSelf, std::array<BallRef, 4>& child) {
+        const BallTree& tree = posed.tree();
+        if (!whole && !isBallLeaf(ref)) {
+            const BallNode& node = posed.node(ballIndex(ref));
+            balls = &posed.balls(ballIndex(ref));
+            restBalls = &tree.restBalls[ballIndex(ref)];
+            count = node.count;
             child = {node.child[0], node.child[1], node.child[2], node.child[3]};
+            return;
         }
-    };
+        child[0] = ref;
+        posed.putBall(ref, ownBall, 0);
+        if (isSelf) {
+            const PieceBall& own = tree.own(ref);
+            for (int axis = 0; axis < 3; ++axis) {
+                ownRestBall.center[axis][0] = tree.surface.rest[own.center][axis];
+            }
+            ownRestBall.radius[0] = own.restRadius;
+        }
+    }
+    OpenPiece(const OpenPiece&) = delete;
+    OpenPiece& operator=(const OpenPiece&) = delete;
+};
+
+inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA,
+                                       bool wholeB) const {
     static constexpr std::uint32_t rows[4] = {0x000f, 0x00ff, 0x0fff, 0xffff};
     static constexpr std::uint32_t columns[4] = {0x1111, 0x3333, 0x7777, 0xffff};
-    Side sideA;
-    Side sideB;
-    sideOf(*a, pair.a, out.a, sideA);
-    sideOf(*b, pair.b, out.b, sideB);
-    const std::uint32_t lanes = rows[sideA.count - 1] & columns[sideB.count - 1];
-    if (weight != nullptr) {
-        out.mask = lanes & overlappingBalls(*sideA.balls, *sideB.balls, reach, *weight);
-    } else {
-        out.mask = lanes & touchingBalls(*sideA.balls, *sideB.balls, reach);
-    }
+    const OpenPiece pieceA(*a, pair.a, wholeA, isSelf(), out.a);
+    const OpenPiece pieceB(*b, pair.b, wholeB, isSelf(), out.b);
+    out.mask = rows[pieceA.count - 1] & columns[pieceB.count - 1];
+    out.mask &= weight != nullptr ? overlappingBalls(*pieceA.balls, *pieceB.balls, reach, *weight)
+                                  : touchingBalls(*pieceA.balls, *pieceB.balls, reach);
     if (!isSelf()) {
         return 1;
     }
@@ -93,10 +103,7 @@ inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, fl
             }
         }
     }
-    if (isBallLeaf(pair.a) || isBallLeaf(pair.b)) {
-        return 1;
-    }
-    out.mask &= ~ballsWithin(a->tree().restBalls[ballIndex(pair.a)], b->tree().restBalls[ballIndex(pair.b)], exclusion);
+    out.mask &= ~ballsWithin(*pieceA.restBalls, *pieceB.restBalls, exclusion);
     return 2;
 }
 

@@ -106,19 +106,14 @@ void PosedTree::makeBalls(std::uint32_t index) {
     }
 }
 
-FourBalls PosedTree::ballOfLeaf(std::uint32_t index) {
-    const BallLeaf& leaf = m_tree->leaves[index];
-    const Eigen::Vector3f middle = point(leaf.center);
+void PosedTree::putBall(BallRef ref, FourBalls& balls, int slot) {
+    const PieceBall& own = m_tree->own(ref);
+    const Eigen::Vector3f middle = point(own.center);
     note(middle);
-    const float radius = radiusOf(index | ballLeafBit, leaf.center, leaf.radius);
-    FourBalls ball;
-    for (int slot = 0; slot < 4; ++slot) {
-        for (int axis = 0; axis < 3; ++axis) {
-            ball.center[axis][slot] = middle[axis];
-        }
-        ball.radius[slot] = radius;
+    for (int axis = 0; axis < 3; ++axis) {
+        balls.center[axis][slot] = middle[axis];
     }
-    return ball;
+    balls.radius[slot] = radiusOf(ref, own.center, own.radius);
 }
 
 const PosedLeaf& PosedTree::leaf(std::uint32_t index) {

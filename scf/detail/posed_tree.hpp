@@ -31,8 +31,8 @@ class PosedTree {
         }
         return m_balls[node];
     }
-    /// The first of the four is around the leaf.
-    [[nodiscard]] FourBalls ballOfLeaf(std::uint32_t leaf);
+    /// Puts the ball of a piece by itself, not the root, into a slot.
+    void putBall(BallRef ref, FourBalls& balls, int slot);
     [[nodiscard]] const PosedLeaf& leaf(std::uint32_t index);
     [[nodiscard]] Eigen::Vector3f point(std::uint32_t vertex) const {
         const Eigen::Vector3f& p = m_positions[vertex];
