@@ -1,6 +1,7 @@
 #include <grapeshot/scf/surface.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <grapeshot/core/mesh_report.hpp>
 
@@ -72,6 +73,9 @@ void listEdges(Surface& surface) {
             }
         }
         surface.edges.begin.push_back(static_cast<std::uint32_t>(surface.edges.all.size()));
+    }
+    if (!surface.edgeSquare.empty()) {
+        surface.longestEdge = 1.00001F * std::sqrt(*std::max_element(surface.edgeSquare.begin(), surface.edgeSquare.end()));
     }
 }
 

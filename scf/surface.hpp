@@ -32,6 +32,7 @@ struct Surface {
     IndexLists fan;                 ///< triangles around a vertex, ascending; one with a repeated corner stands once
     IndexLists edges;               ///< every edge once, at its lower vertex: the higher one
     std::vector<float> edgeSquare;  ///< per entry of `edges`: squared length at rest, m^2
+    float longestEdge = 0;          ///< at rest, m
     ContentKey topology;            ///< of the triangles alone, as `topologyKey` has it
 
     [[nodiscard]] MeshView mesh() const { return {rest, triangles}; }

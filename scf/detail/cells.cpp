@@ -79,8 +79,11 @@ Cells cellsOfRadius(const BallTree& tree, float radius) {
         isCell[i] = tree.nodes[i].own.radius <= radius ? 1 : 0;
     }
     Cells cells;
-    cells.radius = radius;
     Numbering(tree, isCell, cells);
+    cells.coarse.resize(tree.leaves.size());
+    for (std::size_t i = 0; i < cells.coarse.size(); ++i) {
+        cells.coarse[i] = tree.leaves[i].own.radius > 2 * radius ? 1 : 0;
+    }
     listNeighbours(tree, cells);
     return cells;
 }

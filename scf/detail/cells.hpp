@@ -16,7 +16,8 @@ struct Cells {
     std::vector<std::uint32_t> cellOfNode;  ///< noCell above and below the cut
     std::vector<std::uint32_t> cellOfLeaf;  ///< that it lies in
     IndexLists neighbours;                  ///< cells that share a vertex with a cell, ascending; if asked for
-    float radius = 0;                       ///< asked for, m
+    /// Per leaf: is it so much larger than the cells should be that one contact does not stand for it?
+    std::vector<char> coarse;
 
     [[nodiscard]] bool isCell(BallRef ref) const {
         return isBallLeaf(ref) || cellOfNode[ballIndex(ref)] != noCell;
@@ -30,11 +31,7 @@ struct Cells {
     /// What tells contacts apart: the cell, or the triangle itself where the mesh is coarser than the cells should be.
     [[nodiscard]] std::uint32_t idOf(const BallTree& tree, std::uint32_t triangle) const {
         const std::uint32_t leaf = tree.leafOfTriangle[triangle];
-        return tree.leaves[leaf].own.radius > radius ? static_cast<std::uint32_t>(cells.size()) + triangle
-                                                     : cellOfLeaf[leaf];
-    }
-    [[nodiscard]] bool isCoarse(const BallTree& tree, std::uint32_t leaf) const {
-        return tree.leaves[leaf].own.radius > radius;
+        return coarse[leaf] != 0 ? static_cast<std::uint32_t>(cells.size()) + triangle : cellOfLeaf[leaf];
     }
 };
 

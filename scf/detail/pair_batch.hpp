@@ -34,8 +34,9 @@ class PairBatch {
         m_pair[m_count++] = pair;
     }
 
-    /// One unit. Then `pair` and `out` say what was found; what is there is cleared.
-    int run() {
+    /// One unit. Then `pair` and `out` say what was found, distances beyond `maxDistance` being anything beyond it; what
+    /// is there is cleared. Returns how many there were.
+    int run(float maxDistance) {
         for (int lane = m_count; lane < batchWidth; ++lane) {
             for (int corner = 0; corner < 3; ++corner) {
                 for (int axis = 0; axis < 3; ++axis) {
@@ -44,7 +45,7 @@ class PairBatch {
                 }
             }
         }
-        signedDistances(m_a, m_b, m_out);
+        signedDistances(m_a, m_b, m_out, maxDistance);
         return std::exchange(m_count, 0);
     }
     /// Were all corners finite that came straight from the positions, since `forget`?

@@ -28,9 +28,8 @@ class PairSearch {
     template <class Found>
     bool runLeaves(const PairSpace& space, std::uint32_t leafA, std::uint32_t leafB, bool eager, Found&& found);
 
-    /// The nearest pair that the last `runLeaves` has tested, and its distance, m; none: noTriangle.
+    /// The nearest pair that the last `runLeaves` has tested, as far as distances beyond the reach tell; none: noTriangle.
     [[nodiscard]] const TrianglePair& nearest() const { return m_nearest; }
-    [[nodiscard]] float nearestDistance() const { return m_nearestDistance; }
 
     [[nodiscard]] std::uint64_t work() const { return m_work; }
     void resetWork() { m_work = 0; }
@@ -52,7 +51,7 @@ bool PairSearch::flush(const PairSpace& space, Found&& found) {
         return true;
     }
     ++m_work;
-    const int count = m_batch.run();
+    const int count = m_batch.run(space.reach);
     for (int lane = 0; lane < count; ++lane) {
         if (m_nearest.triangleA == noTriangle || m_batch.out().signedDistance[lane] < m_nearestDistance) {
             m_nearest = m_batch.pair(lane);

@@ -11,6 +11,7 @@ constexpr double trackedShare = 0.6;  // of the budget, for what is known alread
 constexpr double frontShare = 0.5;    // of what is left then
 constexpr int descentUnits = 24;
 constexpr int walkTries = 2;
+constexpr std::uint64_t stepsBetweenWalks = 4;  // from the same contact
 constexpr std::uint32_t divesPerRound = 64;
 constexpr float priceMemory = 0.9F;
 
@@ -219,7 +220,7 @@ void TrackStep::testTracked(double share) {
             batch.add(m_space, tracked[next++].pair);
         }
         ++m_work;
-        const int count = batch.run();
+        const int count = batch.run(m_space.reach + m_settings.followDistance + m_settings.spacing);
         for (int lane = 0; lane < count; ++lane) {
             const TrackedPair& one = tracked[first + static_cast<std::size_t>(lane)];
             const float distance = batch.out().signedDistance[lane];
@@ -250,8 +251,8 @@ bool TrackStep::repair(const VertexPair& from, std::uint64_t birth) {
 }
 
 bool TrackStep::isCoarse(const BallPair& pair) const {
-    return (isBallLeaf(pair.a) && m_cellsA.isCoarse(m_space.a->tree(), ballIndex(pair.a))) ||
-           (isBallLeaf(pair.b) && m_cellsB.isCoarse(m_space.b->tree(), ballIndex(pair.b)));
+    return (isBallLeaf(pair.a) && m_cellsA.coarse[ballIndex(pair.a)] != 0) ||
+           (isBallLeaf(pair.b) && m_cellsB.coarse[ballIndex(pair.b)] != 0);
 }
 
 bool TrackStep::isLeftOut(const TrianglePair& pair) const {
@@ -267,6 +268,15 @@ bool TrackStep::isLeftOut(const TrianglePair& pair) const {
         return Eigen::Vector3f((surface.rest[corners[0]] + surface.rest[corners[1]] + surface.rest[corners[2]]) / 3);
     };
     return (middle(pair.triangleA) - middle(pair.triangleB)).squaredNorm() <= m_space.exclusion * m_space.exclusion;
+}
+
+bool TrackStep::isFarAtRest(const VertexPair& vertices) const {
+    if (!m_space.isSelf()) {
+        return true;
+    }
+    const Surface& surface = m_space.a->tree().surface;
+    const float least = m_space.exclusion + 2 * surface.longestEdge;
+    return (surface.rest[vertices.a] - surface.rest[vertices.b]).squaredNorm() > least * least;
 }
 
 bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
@@ -289,7 +299,7 @@ bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
     bool isContact = false;
     const auto run = [&] {
         ++m_work;
-        const int count = batch.run();
+        const int count = batch.run(interesting);
         for (int lane = 0; lane < count && !isContact; ++lane) {
             const float distance = batch.out().signedDistance[lane];
             if (distance <= m_space.reach) {
@@ -301,9 +311,10 @@ bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
             }
         }
     };
+    const bool isFar = isFarAtRest(vertices);
     for (const std::uint32_t a : m_space.a->tree().surface.fan.of(vertices.a)) {
         for (const std::uint32_t b : m_space.b->tree().surface.fan.of(vertices.b)) {
-            if (isLeftOut({a, b})) {
+            if (!isFar && isLeftOut({a, b})) {
                 continue;
             }
             batch.add(m_space, {a, b});
@@ -411,6 +422,9 @@ bool TrackStep::dive(BallPair pair, bool greedy) {
         m_lastKey = key;
         return true;
     }
+    if (greedy) {
+        return false;  // beside a contact a descent leads back to it
+    }
     const TrianglePair nearest = m_scratch.search.nearest();
     const VertexPair from = nearest.triangleA != noTriangle
                                 ? nearestCorners(m_space, nearest)
@@ -480,6 +494,10 @@ void TrackStep::walk(std::uint64_t spare) {
     if (!queue.empty()) {
         std::rotate(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(below(queue.size())), queue.end());
     }
+    std::erase_if(queue, [&](std::uint32_t i) {
+        const TrackedContact& contact = m_out.contacts[i];
+        return contact.age > 0 && (contact.pair.triangleA + m_memory.step) % stepsBetweenWalks != 0;
+    });
     const std::uint64_t all = left();
     const std::uint64_t stop = all == unlimited ? 0 : std::max(spare, (all + spare) / 2);
     std::size_t next = 0;

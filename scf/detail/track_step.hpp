@@ -54,6 +54,8 @@ class TrackStep {
     /// The triangles around two vertices. True: contact.
     bool testFans(const VertexPair& vertices, std::uint64_t birth);
     [[nodiscard]] bool isCoarse(const BallPair& pair) const;
+    /// Nothing around the two vertices can be left out.
+    [[nodiscard]] bool isFarAtRest(const VertexPair& vertices) const;
     [[nodiscard]] bool isLeftOut(const TrianglePair& pair) const;
     /// Looks into the cells beside a contact.
     void walkFrom(std::uint32_t contact);
