@@ -50,8 +50,8 @@ std::uint64_t shareOf(std::uint64_t units, double share) {
 
 }  // namespace
 
-TrackStep::TrackStep(const PairSpace& space, const TrackSettings& settings, const Budget& budget,
-                     TrackerMemory& memory, TrackerScratch& scratch, TrackResult& out)
+TrackStep::TrackStep(const PairSpace& space, const TrackSettings& settings, const Budget& budget, TrackerMemory& memory,
+                     TrackerScratch& scratch, TrackResult& out)
     : m_space(space),
       m_settings(settings),
       m_meter(budget),
@@ -63,6 +63,7 @@ TrackStep::TrackStep(const PairSpace& space, const TrackSettings& settings, cons
       m_frontA(scratch.frontA),
       m_frontB(space.isSelf() ? scratch.frontA : scratch.frontB),
       m_key{settings.seed, settings.pair, memory.step},
+      m_testPrice(memory.testPrice),
       m_untested(memory.tracked.size()) {
     scratch.search.resetWork();
     scratch.batch.clear();
@@ -153,16 +154,16 @@ void TrackStep::finish() {
         }
     }
     m_out.tracked = static_cast<std::uint32_t>(tracked.size());
+    m_memory.testPrice = m_testPrice;
     ++m_memory.step;
 }
 
 void TrackStep::exact() {
     m_untested = m_memory.tracked.size();
-    const SearchEnd end =
-        m_scratch.search.run(m_space, {0, 0}, false, left(), [&](const PairBatch& batch, int lane) {
-            m_out.contacts.push_back(contactOf(batch, lane));
-            return true;
-        });
+    const SearchEnd end = m_scratch.search.run(m_space, {0, 0}, false, left(), [&](const PairBatch& batch, int lane) {
+        m_out.contacts.push_back(contactOf(batch, lane));
+        return true;
+    });
     m_out.certain = end == SearchEnd::exhausted;
     m_out.stop = m_out.certain ? StopReason::certain : StopReason::budget;
 }
@@ -429,9 +430,8 @@ bool TrackStep::dive(BallPair pair, bool greedy) {
     const VertexPair from = nearest.triangleA != noTriangle
                                 ? nearestCorners(m_space, nearest)
                                 : VertexPair{treeA.own(pair.a).center, treeB.own(pair.b).center, 0};
-    if (m_space.isSelf() &&
-        (treeA.surface.rest[from.a] - treeA.surface.rest[from.b]).squaredNorm() <=
-            m_space.exclusion * m_space.exclusion) {
+    if (m_space.isSelf() && (treeA.surface.rest[from.a] - treeA.surface.rest[from.b]).squaredNorm() <=
+                                m_space.exclusion * m_space.exclusion) {
         return false;
     }
     return repair(from, m_memory.step);
@@ -488,8 +488,8 @@ void TrackStep::walkFrom(std::uint32_t contact) {
 }
 
 void TrackStep::walk(std::uint64_t spare) {
-    // Old contacts in an order that changes from step to step, so that each has its turn when the budget is short; those
-    // found meanwhile come after them.
+    // Old contacts in an order that changes from step to step, so that each has its turn when the budget is short;
+    // those found meanwhile come after them.
     std::vector<std::uint32_t>& queue = m_scratch.toWalk;
     if (!queue.empty()) {
         std::rotate(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(below(queue.size())), queue.end());
@@ -509,9 +509,7 @@ void TrackStep::walk(std::uint64_t spare) {
 
 void TrackStep::diveOn(std::uint64_t spare) {
     sumWeights();
-    std::uint64_t found = 0;
     std::size_t walked = m_scratch.toWalk.size();
-    const std::uint64_t begin = work();
     const auto mayGoOn = [&] {
         const std::uint64_t rest = left();
         return rest > 0 && (rest == unlimited || rest > spare);
@@ -522,7 +520,6 @@ void TrackStep::diveOn(std::uint64_t spare) {
             ++m_out.dives;
             const double place = (static_cast<double>(i) + static_cast<double>(unit())) / static_cast<double>(round);
             if (dive(drawCandidate(place), false)) {
-                ++found;
                 std::uint32_t& times = m_scratch.found.insert(m_lastKey, 0).value;
                 m_foundOnce += ++times == 1 ? 1 : 0;
                 m_foundOnce -= times == 2 ? 1 : 0;
@@ -532,10 +529,6 @@ void TrackStep::diveOn(std::uint64_t spare) {
                 walkFrom(m_scratch.toWalk[walked++]);
             }
         }
-    }
-    if (m_out.dives > 0) {
-        const float price = static_cast<float>(work() - begin) / static_cast<float>(m_out.dives);
-        m_memory.divePrice = priceMemory * m_memory.divePrice + (1 - priceMemory) * price;
     }
     estimateUnseen(m_out.miss, m_foundOnce, m_out.dives);
 }
@@ -553,8 +546,8 @@ void TrackStep::audit(bool complete) {
     // How many is decided before the first is tested, from earlier steps' prices: to stop when the budget ends would
     // prefer the cheap ones.
     const std::uint64_t units = left();
-    const double affordable =
-        units == unlimited ? static_cast<double>(unknown.size()) : static_cast<double>(units) / std::max(1.0F, m_memory.testPrice);
+    const double affordable = units == unlimited ? static_cast<double>(unknown.size())
+                                                 : static_cast<double>(units) / std::max(1.0F, m_testPrice);
     miss.sampled = m_settings.auditShare > 0
                        ? static_cast<std::uint64_t>(std::min(affordable, static_cast<double>(unknown.size())))
                        : 0;
@@ -578,7 +571,7 @@ void TrackStep::audit(bool complete) {
     }
     if (miss.sampled > miss.open) {
         const float price = static_cast<float>(spent) / static_cast<float>(miss.sampled - miss.open);
-        m_memory.testPrice = priceMemory * m_memory.testPrice + (1 - priceMemory) * price;
+        m_testPrice = priceMemory * m_testPrice + (1 - priceMemory) * price;
     }
     estimateMissed(miss, complete);
     m_out.certain = complete && m_out.carried == 0 && miss.sampled == miss.unknown && miss.open == 0;

@@ -39,9 +39,7 @@ class TrackStep {
     void report(const PairBatch& batch, int lane);
     void keepNear(const TrianglePair& pair, std::uint64_t birth);
     [[nodiscard]] std::uint64_t keyOf(const TrianglePair& pair) const;
-    [[nodiscard]] static std::uint64_t joined(std::uint32_t a, std::uint32_t b) {
-        return std::uint64_t{a} << 32U | b;
-    }
+    [[nodiscard]] static std::uint64_t joined(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32U | b; }
     [[nodiscard]] std::uint64_t cellKey(const Cells& a, const Cells& b, const TrianglePair& pair) const;
     void markReported(const TrianglePair& pair);
 
@@ -79,6 +77,7 @@ class TrackStep {
     std::uint64_t m_work = 0;
     std::uint64_t m_lastKey = 0;
     std::uint64_t m_foundOnce = 0;
+    float m_testPrice;
     std::size_t m_untested = 0;  ///< tracked pairs from here on stay as they are
 };
 

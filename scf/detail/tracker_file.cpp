@@ -27,7 +27,8 @@ struct Header {
     std::uint32_t isSelf = 0;
     ContentKey a, b;
     std::uint64_t step = 0;
-    float divePrice = 0, testPrice = 0;
+    float testPrice = 0;
+    std::uint32_t nothing = 0;
     std::uint64_t pairs = 0;
     std::uint64_t hash = 0;  ///< of all else
 };
@@ -56,7 +57,6 @@ std::vector<std::byte> savedMemory(const TrackerMemory& memory, const BallTree& 
     header.a = a.surface.topology;
     header.b = b.surface.topology;
     header.step = memory.step;
-    header.divePrice = memory.divePrice;
     header.testPrice = memory.testPrice;
     header.pairs = memory.tracked.size();
     std::vector<std::byte> bytes(sizeof header + memory.tracked.size() * sizeof(SavedPair));
@@ -82,23 +82,21 @@ TrackerMemory loadedMemory(std::span<const std::byte> bytes, const BallTree& a, 
     }
     const std::span<const std::byte> pairs = bytes.subspan(sizeof header);
     if (pairs.size() % sizeof(SavedPair) != 0 || pairs.size() / sizeof(SavedPair) != header.pairs) {
-        fail(Fault::badFile, std::to_string(bytes.size()) + " bytes where " + std::to_string(header.pairs) +
-                                 " pairs should be");
+        fail(Fault::badFile,
+             std::to_string(bytes.size()) + " bytes where " + std::to_string(header.pairs) + " pairs should be");
     }
     const std::uint64_t hash = std::exchange(header.hash, 0);
     if (hash != hashOf(header, pairs)) {
         fail(Fault::badFile, "was changed since it was saved");
     }
-    if ((header.isSelf != 0) != (&a == &b) || !(header.a == a.surface.topology) ||
-        !(header.b == b.surface.topology)) {
+    if ((header.isSelf != 0) != (&a == &b) || !(header.a == a.surface.topology) || !(header.b == b.surface.topology)) {
         fail(Fault::topologyChanged, "saved with other meshes");
     }
     TrackerMemory memory;
     memory.step = header.step;
-    memory.divePrice = header.divePrice;
     memory.testPrice = header.testPrice;
-    if (!std::isfinite(memory.divePrice) || !std::isfinite(memory.testPrice)) {
-        fail(Fault::badFile, "a price is not finite");
+    if (!(memory.testPrice >= 0) || !std::isfinite(memory.testPrice)) {
+        fail(Fault::badFile, "a price is no number");
     }
     memory.tracked.reserve(header.pairs);
     for (std::size_t i = 0; i < header.pairs; ++i) {

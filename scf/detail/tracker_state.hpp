@@ -24,8 +24,7 @@ struct TrackedPair {
 struct TrackerMemory {
     std::vector<TrackedPair> tracked;  ///< those that wait longest for a test first
     std::uint64_t step = 0;
-    float divePrice = 16;  ///< units, mean of late
-    float testPrice = 32;  ///< of a pair of cells in the sample for the bound
+    float testPrice = 32;  ///< units, mean of late, for a pair of cells in the sample for the bound
 };
 
 /// A pair of cells of the front.
@@ -51,11 +50,11 @@ struct TrackerScratch {
     PairSearch search;
     PairBatch batch;
     Front front;
-    KeyMap contacts;    ///< by key, to the index in the result
-    KeyMap nearPairs;   ///< likewise, of those that are followed
-    KeyMap tried;       ///< pairs of cells of the spacing's size that have a contact or were looked into
-    KeyMap candidateOf; ///< pairs of cells of the front
-    KeyMap found;       ///< by key: by how many dives
+    KeyMap contacts;     ///< by key, to the index in the result
+    KeyMap nearPairs;    ///< likewise, of those that are followed
+    KeyMap tried;        ///< pairs of cells of the spacing's size that have a contact or were looked into
+    KeyMap candidateOf;  ///< pairs of cells of the front
+    KeyMap found;        ///< by key: by how many dives
     std::vector<TrackedPair> kept, near;
     std::vector<Candidate> candidates;
     std::vector<double> cumulative;
