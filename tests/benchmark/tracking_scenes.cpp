@@ -69,13 +69,14 @@ TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, int frame, in
 TrackingScene coil(const std::string& name, std::size_t triangles) {
     // As many around as makes the triangles even: 2 along around, with along / around = length / (2 pi radius).
     const double aspect = coilLength / (2 * pi * coilTubeRadius);
-    const int around = std::max(6, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles) / (2 * aspect)))));
+    const int around =
+        std::max(6, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles) / (2 * aspect)))));
     const int along = static_cast<int>(std::lround(static_cast<double>(triangles) / (2.0 * around)));
     TrackingScene scene;
     scene.name = name;
     scene.a = straightTube(along, around);
     scene.maxDistance = 0.002F;
-    scene.spacing = 0.01F;
+    scene.spacing = 0.018F;
     scene.exclusion = 3 * coilTubeRadius;
     return scene;
 }
