@@ -13,6 +13,7 @@ constexpr int descentUnits = 24;
 constexpr int walkTries = 2;
 constexpr std::uint64_t stepsBetweenWalks = 4;  // from the same contact
 constexpr std::uint32_t divesPerRound = 64;
+constexpr double caution = 0.75;  // what is not finished counts as a hit
 constexpr float priceMemory = 0.9F;
 
 Eigen::Vector3f normalOf(const PairBatch& batch, int lane) {
@@ -546,8 +547,9 @@ void TrackStep::audit(bool complete) {
     // How many is decided before the first is tested, from earlier steps' prices: to stop when the budget ends would
     // prefer the cheap ones.
     const std::uint64_t units = left();
-    const double affordable = units == unlimited ? static_cast<double>(unknown.size())
-                                                 : static_cast<double>(units) / std::max(1.0F, m_testPrice);
+    const double affordable =
+        units == unlimited ? static_cast<double>(unknown.size())
+                           : caution * static_cast<double>(units) / static_cast<double>(std::max(1.0F, m_testPrice));
     miss.sampled = m_settings.auditShare > 0
                        ? static_cast<std::uint64_t>(std::min(affordable, static_cast<double>(unknown.size())))
                        : 0;
@@ -569,8 +571,9 @@ void TrackStep::audit(bool complete) {
         miss.open += end == SearchEnd::limited ? 1 : 0;
         miss.hits += end == SearchEnd::stopped ? 1 : 0;
     }
-    if (miss.sampled > miss.open) {
-        const float price = static_cast<float>(spent) / static_cast<float>(miss.sampled - miss.open);
+    if (miss.sampled > 0) {
+        const float price =
+            static_cast<float>(spent) / static_cast<float>(std::max<std::uint64_t>(1, miss.sampled - miss.open));
         m_testPrice = priceMemory * m_testPrice + (1 - priceMemory) * price;
     }
     estimateMissed(miss, complete);

@@ -1,7 +1,5 @@
 #include "tracking_suite.hpp"
 
-#include <ctime>
-
 #include <algorithm>
 #include <functional>
 #include <iostream>
@@ -13,6 +11,8 @@
 #include <grapeshot/adb/query.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
+#include <report/machine.hpp>
+
 #include "box_refit.hpp"
 #include "fcl_model.hpp"
 #include "tracking_bound.hpp"
@@ -22,12 +22,6 @@
 namespace grapeshot::bench {
 
 namespace {
-
-double cpuUs() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) * 1e6 + static_cast<double>(now.tv_nsec) * 1e-3;
-}
 
 struct SceneSpec {
     TrackingScene scene;
@@ -188,12 +182,12 @@ class SceneRun {
             const auto index = static_cast<std::size_t>(frame - m_spec.warmUp);
             std::size_t boxPairs = 0;
             if (!self) {
-                const double begin = cpuUs();
+                const double begin = report::threadCpuUs();
                 refitBoxes(m_boxesA, where.a);
                 refitBoxes(m_boxesB, where.b);
-                const double middle = cpuUs();
+                const double middle = report::threadCpuUs();
                 query->contacts({}, {.maxDistance = m_spec.scene.maxDistance}, {}, contacts);
-                const double end = cpuUs();
+                const double end = report::threadCpuUs();
                 boxPairs = contacts.pairs.size();
                 if (counted) {
                     method("boxes refitted").time(index, end - begin);
@@ -201,17 +195,17 @@ class SceneRun {
                 }
             }
             if (counted) {
-                const double begin = cpuUs();
+                const double begin = report::threadCpuUs();
                 m_sink += measureStretch(m_treeA.surface, where.a);
                 m_sink += self ? 0 : measureStretch(m_treeB.surface, where.b);
-                method("measuring alone").time(index, cpuUs() - begin);
+                method("measuring alone").time(index, report::threadCpuUs() - begin);
             }
             for (Contender& one : contenders) {
                 TrackResult& out = one.mode == TrackMode::exact && !one.measured ? truth : result;
-                const double begin = cpuUs();
+                const double begin = report::threadCpuUs();
                 step(one.tracker, where, one.measured ? Stretch::measured() : givenA,
                      one.measured ? Stretch::measured() : givenB, one.mode, {.work = one.work}, out);
-                const double us = cpuUs() - begin;
+                const double us = report::threadCpuUs() - begin;
                 if (score && &out == &truth) {
                     history.advance(truth.contacts, m_treeA.surface, self ? m_treeA.surface : m_treeB.surface);
                 }
@@ -253,11 +247,11 @@ void addFclRow(const SceneSpec& spec, double ourUs, report::Report& results) {
         const TrackingFrame where = spec.at(spec.scene, frame, spec.frames);
         const FclPoints pointsA(where.a);
         const FclPoints pointsB(where.b);
-        const double begin = cpuUs();
+        const double begin = report::threadCpuUs();
         a.refit(pointsA);
         b.refit(pointsB);
         static_cast<void>(a.collides(b, {}));
-        us.push_back(cpuUs() - begin);
+        us.push_back(report::threadCpuUs() - begin);
     }
     report::Row row;
     row.scenario = "bodies";
