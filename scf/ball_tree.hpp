@@ -23,7 +23,7 @@
 
 namespace grapeshot {
 
-/// Four balls side by side, those that exist first. One cache line and a count.
+/// Four balls side by side, those that exist first. One cache line.
 struct alignas(16) FourBalls {
     float center[3][4];  ///< m
     float radius[4];     ///< m

@@ -12,16 +12,14 @@ namespace grapeshot::detail {
 inline constexpr std::uint32_t noCell = 0xffffffffU;
 
 struct Cells {
-    std::vector<BallRef> cells;  ///< in the order of the tree: pieces of a piece stand together
+    std::vector<BallRef> cells;             ///< in the order of the tree: pieces of a piece stand together
     std::vector<std::uint32_t> cellOfNode;  ///< noCell above and below the cut
     std::vector<std::uint32_t> cellOfLeaf;  ///< that it lies in
     IndexLists neighbours;                  ///< cells that share a vertex with a cell, ascending; if asked for
     /// Per leaf: is it so much larger than the cells should be that one contact does not stand for it?
     std::vector<char> coarse;
 
-    [[nodiscard]] bool isCell(BallRef ref) const {
-        return isBallLeaf(ref) || cellOfNode[ballIndex(ref)] != noCell;
-    }
+    [[nodiscard]] bool isCell(BallRef ref) const { return isBallLeaf(ref) || cellOfNode[ballIndex(ref)] != noCell; }
     [[nodiscard]] std::uint32_t cellAt(BallRef ref) const {
         return isBallLeaf(ref) ? cellOfLeaf[ballIndex(ref)] : cellOfNode[ballIndex(ref)];
     }

@@ -13,8 +13,9 @@ bool improve(const PosedTree& side, const Eigen::Vector3f& target, const Eigen::
     bool moved = false;
     for (const std::uint32_t next : ring) {
         const float distance = (side.point(next) - target).squaredNorm();
-        if (distance < square && (restTarget == nullptr ||
-                                  (side.tree().surface.rest[next] - *restTarget).squaredNorm() > exclusion * exclusion)) {
+        if (distance < square &&
+            (restTarget == nullptr ||
+             (side.tree().surface.rest[next] - *restTarget).squaredNorm() > exclusion * exclusion)) {
             square = distance;
             vertex = next;
             moved = true;

@@ -18,9 +18,9 @@ struct VertexPair {
     float square = 0;  ///< of the distance, m^2
 };
 
-/// The vertex of either side moves to its neighbour that is nearest to the other, in turn, until none is nearer, the two
-/// are within reach, or the units are used up: one for each look at up to sixteen neighbours. Of a body with itself it
-/// does not go into the neighbourhood that is left out.
+/// The vertex of either side moves to its neighbour that is nearest to the other, in turn, until none is nearer, the
+/// two are within reach, or the units are used up: one for each look at up to sixteen neighbours. Of a body with itself
+/// it does not go into the neighbourhood that is left out.
 [[nodiscard]] VertexPair descend(const PairSpace& space, std::uint32_t a, std::uint32_t b, int units,
                                  std::uint64_t& work);
 

@@ -13,8 +13,8 @@ namespace grapeshot::detail {
 /// Everything within reach of each other lies in one of the pairs that are visited, if it runs to the end.
 class Front {
   public:
-    /// visit(pair, weight) -> bool: go on? `weight` as overlappingBalls has it. Of a body with itself each pair of cells
-    /// comes once, the first cell first.
+    /// visit(pair, weight) -> bool: go on? `weight` as overlappingBalls has it. Of a body with itself each pair of
+    /// cells comes once, the first cell first.
     /// @param mayGoOn () -> bool, asked before every step
     /// @return was everything visited?
     template <class Visit, class MayGoOn>

@@ -34,8 +34,8 @@ class PairBatch {
         m_pair[m_count++] = pair;
     }
 
-    /// One unit. Then `pair` and `out` say what was found, distances beyond `maxDistance` being anything beyond it; what
-    /// is there is cleared. Returns how many there were.
+    /// One unit. Then `pair` and `out` say what was found, distances beyond `maxDistance` being anything beyond it;
+    /// what is there is cleared. Returns how many there were.
     int run(float maxDistance) {
         for (int lane = m_count; lane < batchWidth; ++lane) {
             for (int corner = 0; corner < 3; ++corner) {

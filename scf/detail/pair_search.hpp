@@ -20,15 +20,24 @@ class PairSearch {
   public:
     /// Every pair of triangles below `start` within reach goes to found(batch, lane) -> bool: go on? Depth first.
     /// @param eager test as soon as there is something to test, nearest pieces first; else only full batches
-    /// @param limit units; may be exceeded by the last leaf pair's rows (at most 17 units) and a last batch
+    /// @param isOver () -> bool: is there nothing left to spend? Asked before every step; the last leaf pair may go
+    /// beyond it by its rows (at most 17 units) and its batches
+    template <class IsOver, class Found>
+    SearchEnd runUntil(const PairSpace& space, const BallPair& start, bool eager, IsOver&& isOver, Found&& found);
+    /// @param limit units
     template <class Found>
-    SearchEnd run(const PairSpace& space, const BallPair& start, bool eager, std::uint64_t limit, Found&& found);
+    SearchEnd run(const PairSpace& space, const BallPair& start, bool eager, std::uint64_t limit, Found&& found) {
+        const std::uint64_t first = m_work;
+        return runUntil(
+            space, start, eager, [&] { return m_work - first >= limit; }, found);
+    }
 
     /// The triangles of two leaves alone, as they come. False: stopped.
     template <class Found>
     bool runLeaves(const PairSpace& space, std::uint32_t leafA, std::uint32_t leafB, bool eager, Found&& found);
 
-    /// The nearest pair that the last `runLeaves` has tested, as far as distances beyond the reach tell; none: noTriangle.
+    /// The nearest pair that the last `runLeaves` has tested, as far as distances beyond the reach tell; none:
+    /// noTriangle.
     [[nodiscard]] const TrianglePair& nearest() const { return m_nearest; }
 
     [[nodiscard]] std::uint64_t work() const { return m_work; }
@@ -98,18 +107,16 @@ bool PairSearch::runLeaves(const PairSpace& space, std::uint32_t leafA, std::uin
     return true;
 }
 
-template <class Found>
-SearchEnd PairSearch::run(const PairSpace& space, const BallPair& start, bool eager, std::uint64_t limit,
-                          Found&& found) {
-    const std::uint64_t first = m_work;
-    const auto isLimited = [&] { return m_work - first >= limit; };
+template <class IsOver, class Found>
+SearchEnd PairSearch::runUntil(const PairSpace& space, const BallPair& start, bool eager, IsOver&& isOver,
+                               Found&& found) {
     m_batch.clear();
     m_stack.clear();
     m_stack.push_back(start);
     ChildPairs children;
     float weight[16];
     while (!m_stack.empty()) {
-        if (isLimited()) {
+        if (isOver()) {
             return SearchEnd::limited;
         }
         const BallPair pair = m_stack.back();
@@ -134,7 +141,7 @@ SearchEnd PairSearch::run(const PairSpace& space, const BallPair& start, bool ea
             std::swap(m_stack.back(), m_stack[m_stack.size() - below]);
         }
     }
-    if (m_batch.size() > 0 && isLimited()) {
+    if (m_batch.size() > 0 && isOver()) {
         return SearchEnd::limited;
     }
     return flush(space, found) ? SearchEnd::exhausted : SearchEnd::stopped;

@@ -161,10 +161,12 @@ void TrackStep::finish() {
 
 void TrackStep::exact() {
     m_untested = m_memory.tracked.size();
-    const SearchEnd end = m_scratch.search.run(m_space, {0, 0}, false, left(), [&](const PairBatch& batch, int lane) {
-        m_out.contacts.push_back(contactOf(batch, lane));
-        return true;
-    });
+    const SearchEnd end = m_scratch.search.runUntil(
+        m_space, {0, 0}, false, [&] { return left() == 0; },
+        [&](const PairBatch& batch, int lane) {
+            m_out.contacts.push_back(contactOf(batch, lane));
+            return true;
+        });
     m_out.certain = end == SearchEnd::exhausted;
     m_out.stop = m_out.certain ? StopReason::certain : StopReason::budget;
 }
@@ -180,8 +182,9 @@ void TrackStep::resolution() {
             if (!coarse && m_scratch.tried.find(joined(m_cellsA.cellAt(pair.a), m_cellsB.cellAt(pair.b))) != nullptr) {
                 return true;
             }
-            const SearchEnd end =
-                m_scratch.search.run(m_space, pair, true, left(), [&](const PairBatch& batch, int lane) {
+            const SearchEnd end = m_scratch.search.runUntil(
+                m_space, pair, true, [&] { return left() == 0; },
+                [&](const PairBatch& batch, int lane) {
                     accept(batch, lane, m_memory.step);
                     return coarse;
                 });
@@ -556,17 +559,17 @@ void TrackStep::audit(bool complete) {
     std::uint64_t spent = 0;
     for (std::size_t i = 0; i < miss.sampled; ++i) {
         std::swap(unknown[i], unknown[i + below(unknown.size() - i)]);
-        const std::uint64_t rest = left();
-        if (rest == 0) {
+        if (left() == 0) {
             ++miss.open;
             continue;
         }
         const std::uint64_t begin = work();
-        const SearchEnd end = m_scratch.search.run(m_space, m_scratch.candidates[unknown[i]].cells, true, rest,
-                                                   [&](const PairBatch& batch, int lane) {
-                                                       report(batch, lane);
-                                                       return false;
-                                                   });
+        const SearchEnd end = m_scratch.search.runUntil(
+            m_space, m_scratch.candidates[unknown[i]].cells, true, [&] { return left() == 0; },
+            [&](const PairBatch& batch, int lane) {
+                report(batch, lane);
+                return false;
+            });
         spent += work() - begin;
         miss.open += end == SearchEnd::limited ? 1 : 0;
         miss.hits += end == SearchEnd::stopped ? 1 : 0;

@@ -200,18 +200,19 @@ TEST(Tracker, WithoutABudgetKeepsWhatItKnows) {
 
 TEST(Tracker, TimeEndsAStepToo) {
     const TwoBumpy scene(16);
-    Tracker tracker(scene.a, scene.b);
     const TwoBumpy::Frame where = scene.at(18);
-    static std::chrono::nanoseconds now;
-    now = std::chrono::nanoseconds(0);
-    Budget budget;
-    budget.time = std::chrono::nanoseconds(5);
-    budget.clock = []() noexcept { return now += std::chrono::nanoseconds(1); };
-    const TrackResult result =
-        tracker.step(where.stateA(), where.stateB(), TwoBumpy::settings(TrackMode::budget), budget);
-    EXPECT_EQ(result.stop, StopReason::budget);
-    EXPECT_GT(result.work, 64U);
-    EXPECT_LT(result.work, 400U);
+    for (const TrackMode mode : {TrackMode::exact, TrackMode::resolution, TrackMode::budget}) {
+        Tracker tracker(scene.a, scene.b);
+        static std::chrono::nanoseconds now;
+        now = std::chrono::nanoseconds(0);
+        Budget budget;
+        budget.time = std::chrono::nanoseconds(5);
+        budget.clock = []() noexcept { return now += std::chrono::nanoseconds(1); };
+        const TrackResult result = tracker.step(where.stateA(), where.stateB(), TwoBumpy::settings(mode), budget);
+        EXPECT_EQ(result.stop, StopReason::budget);
+        EXPECT_GT(result.work, 64U);
+        EXPECT_LT(result.work, 400U);
+    }
 }
 
 TEST(Tracker, ContactsThatStayAreKept) {
