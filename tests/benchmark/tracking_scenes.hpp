@@ -29,7 +29,7 @@ struct TrackingFrame {
 /// Two bumpy spheres of about so many triangles that wave, approach, touch and go past each other within `frames`
 /// frames; box diagonal 2.
 [[nodiscard]] TrackingScene twoBodies(const std::string& name, int frequency, std::uint32_t seed);
-/// @param depth m, by how much their distance shrinks to the middle of the time; 0.12 is a light contact
+/// @param depth m, by how much their distance shrinks to the middle of the time; 0.08 is a light contact
 [[nodiscard]] TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, int frame, int frames);
 
 /// A tube of radius 0.02 m, straight at rest, wound up so that its turns touch; neighbouring turns sway against each

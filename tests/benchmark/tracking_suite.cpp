@@ -275,7 +275,7 @@ SceneSpec bodiesSpec(const char* name, int frequency, int frames, std::uint64_t 
             0,
             budget,
             256,
-            [](const TrackingScene& scene, int frame, int count) { return twoBodiesAt(scene, 0.12F, frame, count); }};
+            [](const TrackingScene& scene, int frame, int count) { return twoBodiesAt(scene, 0.08F, frame, count); }};
 }
 
 SceneSpec coilSpec(const char* name, std::size_t triangles, int frames, int warmUp, std::uint64_t budget) {
