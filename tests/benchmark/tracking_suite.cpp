@@ -272,7 +272,7 @@ void addFclRow(const SceneSpec& spec, double ourUs, report::Report& results) {
 SceneSpec bodiesSpec(const char* name, int frequency, int frames, std::uint64_t budget, std::uint64_t seed) {
     return {twoBodies(name, frequency, static_cast<std::uint32_t>(seed % 100'003)),
             frames,
-            0,
+            2,
             budget,
             256,
             [](const TrackingScene& scene, int frame, int count) { return twoBodiesAt(scene, 0.08F, frame, count); }};
