@@ -4,6 +4,7 @@
 
 #include <grapeshot/adb/detail/binary_tree.hpp>
 #include <grapeshot/adb/detail/wide_tree.hpp>
+#include <grapeshot/adb/tuning.hpp>
 #include <grapeshot/core/error.hpp>
 
 namespace grapeshot {
@@ -162,6 +163,7 @@ Tree augment(MeshView mesh, const ForeignHierarchy& hierarchy) {
     detail::BinaryTree binary = Reader(hierarchy, mesh.triangles.size()).run();
     detail::splitLeaves(tree, {.maxLeafTriangles = static_cast<int>(leafTriangles)}, binary);
     detail::addNodes(binary, tree);
+    tune(tree, BuildSettings().tuningPoses);
     return tree;
 }
 

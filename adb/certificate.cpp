@@ -158,6 +158,7 @@ Certificate calibrate(const Tree& a, const Tree& b, const CertificationSettings&
     chosen.estimateSteps = settings.estimateSteps;
     chosen.acceptAt = 1;
     chosen.rejectAt = 0;
+    chosen.adaptive = false;  // what is promised of the estimates is tried on them
     const detail::PathEnd no = detail::walkPath(errorsByLevel(bench, true, chosen), mostMisses);
     const detail::PathEnd yes = detail::walkPath(errorsByLevel(bench, false, chosen), mostAlarms);
     certificate.work = bench.work;

@@ -23,14 +23,6 @@ float squaredDistanceAt(float wholeRate) {
     return 1 / std::sqrt(wholeRate);
 }
 
-/// Where the odds are so many times from both limits, the next steps seldom reach one of them.
-constexpr float doubtOdds = 64;
-
-/// The probability with so many times the odds.
-float withOdds(float probability, float factor) {
-    return factor * probability / (factor * probability + 1 - probability);
-}
-
 }  // namespace
 
 void Query::State::Limits::workOut() {
@@ -51,8 +43,7 @@ void Query::State::Limits::workOut() {
         }
     }
     if (acceptAt < 1 && rejectAt > 0) {
-        const float from = withOdds(rejectAt, doubtOdds);
-        const float to = withOdds(acceptAt, 1 / doubtOdds);
+        const auto [from, to] = detail::doubtBetween(rejectAt, acceptAt);
         for (std::size_t row = 0; from < to && row < Calibration::stepRows; ++row) {
             rates.doubtFrom[row] = leastRateAt(calibration->bySteps[row], from);
             rates.doubtTo[row] = mostRateAt(calibration->bySteps[row], to);
@@ -222,7 +213,7 @@ bool Query::State::lookAtWholes() {
     inside = squaredDistance < detail::leastEstimated;
     if (!inside && (squaredDistance <= limits.wholeYes || squaredDistance >= limits.wholeNo)) {
         ++descent.work;
-        wholeDistance = squaredDistance;
+        wholeProbability = probabilityOfWholes(*limits.calibration, squaredDistance);
         return true;
     }
     if (inside && settings.estimateSteps < detail::endlessSteps) {
@@ -231,8 +222,17 @@ bool Query::State::lookAtWholes() {
     return false;
 }
 
+/// Estimates in a row that saved nothing, after which all but one of as many are left out.
+constexpr std::uint32_t patience = 8;
+
+bool Query::State::leavesEstimateOut(const Budget& budget) const {
+    return settings.adaptive && fruitless >= patience && fruitless % patience != 0 &&
+           settings.estimateSteps < detail::endlessSteps && budget.work == unlimited && budget.time == never;
+}
+
 void Query::State::handOver() {
     estimating = false;
+    ++fruitless;
     exactFrom = descent.work;
     detail::handOver(descent, cut);
 }
@@ -243,7 +243,7 @@ float Query::State::collisionProbability() const {
         return 0.5F;
     }
     if (cut.steps == 0) {
-        return wholeDistance > 0 ? probabilityOfWholes(*limits.calibration, wholeDistance) : 0.5F;
+        return wholeProbability;
     }
     return estimating ? probabilityAfter(*limits.calibration, cut.rate, cut.steps)
                       : probabilityAfterwards(*limits.calibration, cut.rate, descent.work - exactFrom);
@@ -260,6 +260,7 @@ Decision Query::State::goOn(const Budget& budget) {
                 end = testPending(units);
                 if (end == DescentEnd::exhausted && looking && units > descent.work - first) {
                     if (lookAtWholes()) {
+                        fruitless = 0;
                         end = DescentEnd::budget;
                         sure = true;
                         return true;
@@ -274,11 +275,14 @@ Decision Query::State::goOn(const Budget& budget) {
                                                             : limits.rates,
                                                mostSteps, units - (descent.work - first))) {
                         case EstimateEnd::exhausted:
+                            ++fruitless;
                             return true;
                         case EstimateEnd::found:
+                            ++fruitless;
                             end = DescentEnd::found;
                             return true;
                         case EstimateEnd::limit:
+                            fruitless = 0;
                             end = DescentEnd::budget;
                             sure = true;
                             return true;
@@ -346,17 +350,20 @@ Decision Query::decide(const Pose& bInA, const DecideSettings& settings, Budget 
         state.task = State::Task::none;
         return {};
     }
-    state.estimating = settings.estimateSteps > 0;
+    const bool leftOut = settings.estimateSteps > 0 && state.leavesEstimateOut(budget);
+    state.fruitless += leftOut ? 1U : 0U;
+    state.estimating = settings.estimateSteps > 0 && !leftOut;
     state.hit = false;
     state.looking = state.estimating;
     state.inside = false;
-    state.wholeDistance = 0;
+    state.wholeProbability = 0.5F;
     state.ignoreLimits = false;
     detail::startCut(state.cut);
+    if (settings.estimateSteps > 0) {
+        state.order = Order::depthFirst;
+    }
     if (!state.estimating) {
         state.put(detail::sidePair(0, 0), 0);
-    } else {
-        state.order = Order::depthFirst;
     }
     if (settings.tryWitness) {
         state.recallWitness();

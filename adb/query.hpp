@@ -20,6 +20,9 @@
 
 namespace grapeshot {
 
+class ByteReader;
+class ByteWriter;
+
 /// How node pairs are taken up.
 enum class Order {
     depthFirst,  ///< nearest child first; fastest to the end
@@ -33,13 +36,18 @@ struct DecideSettings {
     /// Best-first steps, one unit each, that the estimate may take; 0: exact from the start. The probability says the
     /// more the more steps; with `unlimited` it never hands over to the exact traversal, which is for queries that will
     /// be stopped anyway.
-    std::uint64_t estimateSteps = 4;
-    float acceptAt = 0.9945F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
-    float rejectAt = 0.0022F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
+    std::uint64_t estimateSteps = 16;
+    float acceptAt = 0.9961F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
+    float rejectAt = 0.0005F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
     /// Null: the default one. Must stay where it is as long as the query is used.
     const Calibration* calibration = nullptr;
     Order order = Order::depthFirst;  ///< of the exact traversal if there is no estimate before it; else depth first
     bool tryWitness = true;  ///< take up the pair that the last decision found first: one unit, good for smooth motion
+
+    /// After eight estimates in a row that came to no limit, as with bodies that rest on each other, only every eighth
+    /// decision is estimated, until that settles one; the others are exact. Which ones belongs to the query, so an
+    /// answer may depend on the decisions before it; false: never on them. Only without a limited budget.
+    bool adaptive = true;
 
     [[nodiscard]] static DecideSettings exact(Order order = Order::depthFirst) {
         return {.estimateSteps = 0, .acceptAt = 1, .rejectAt = 0, .calibration = nullptr, .order = order};
@@ -144,6 +152,13 @@ class Query {
     /// Only the triangle tests of given leaf pairs, one unit each. `out` is cleared; if the budget ends it, `out.work`
     /// says how many were done, from the front. Leaf indices out of range give invalidInput.
     void contactsOf(std::span<const LeafPair> pairs, const Pose& bInA, float maxDistance, Budget budget, Contacts& out);
+
+    /// Where a `contacts` or `leafPairs` is, so that it can be resumed after `load`, with the same bytes. Of a `decide`
+    /// nothing is written: then there is nothing to resume.
+    void save(ByteWriter& out) const;
+    /// The trees must be the ones that the saved query had, byte by byte; others give other answers, but whatever the
+    /// bytes are, nothing outside of the trees is touched. @throws Error badFile
+    [[nodiscard]] static Query load(const Tree& a, const Tree& b, ByteReader& in);
 
   private:
     struct State;

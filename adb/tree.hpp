@@ -79,6 +79,7 @@ struct alignas(16) LeafBlock {
 struct BuildSettings {
     int maxLeafTriangles = 4;  ///< 1..4
     int bins = 16;             ///< 4..64; more: slower build, slightly better tree
+    int tuningPoses = 512;     ///< 0..10000: of `tune` (tuning.hpp); 0 leaves it out, for who never estimates
 };
 
 /// A value: copy it, move it, share it between threads for reading. Owns copies of vertices and triangles, so the mesh
@@ -92,17 +93,20 @@ struct Tree {
     Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< box of the mesh
     Eigen::Vector3f upper = Eigen::Vector3f::Zero();
     WholeSurface whole;
-    float radius = 0;  ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
+    float radius = 0;       ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
+    float rateOctaves = 0;  ///< added to the log2 of every rate of the mesh against itself (see tuning.hpp); -4..4
 
     [[nodiscard]] MeshView mesh() const { return {vertices, triangles}; }
 };
 
-/// Binned SAH, top down, deterministic. O(n log n), about 1 us a triangle.
+/// Binned SAH, top down, deterministic; then tuned. O(n log n), about 1 us a triangle, and 1 us
+/// a pose of the tuning.
 /// @throws Error as requireUsable does, and badSetting.
 [[nodiscard]] Tree build(MeshView mesh, const BuildSettings& settings = {});
 
-/// New vertex positions, same triangles: boxes, slabs and moments are made anew bottom-up; the shape of the tree stays.
-/// On error the tree is unchanged. O(n) for boxes and moments, O(n log n) for the slabs; about a quarter of a build.
+/// New vertex positions, same triangles: boxes, slabs and moments are made anew bottom-up; the shape of the tree stays,
+/// and so does what it was tuned to. On error the tree is unchanged. O(n) for boxes and moments, O(n log n) for the
+/// slabs; about a quarter of a build.
 /// @throws Error topologyChanged (another number of vertices), notFinite, tooLarge
 void refit(Tree& tree, std::span<const Eigen::Vector3f> vertices);
 

@@ -27,7 +27,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> magic{'G', 'S', 'T', 'R', 'E', 'E', '\r', '\n'};
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 
 /// Everything before the arrays. No padding, so that its bytes may be hashed.
 struct Header {
@@ -37,13 +37,13 @@ struct Header {
     std::array<std::uint32_t, 4> sizes{sizeof(Node), sizeof(NodeDistribution), sizeof(LeafBlock), sizeof(Triangle)};
     std::uint64_t nodes = 0, leaves = 0, vertices = 0, triangles = 0;
     ContentKey mesh;
-    std::int32_t maxLeafTriangles = 0, bins = 0;
+    std::int32_t maxLeafTriangles = 0, bins = 0, tuningPoses = 0, nothing = 0;
     std::array<float, 8> bounds{};  ///< lower, upper, radius, nothing
-    std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, nothing
+    std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, rateOctaves, nothing
     ContentKey arrays;
     ContentKey own;  ///< of all before it
 };
-static_assert(sizeof(Header) == 232 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == 240 && std::is_trivially_copyable_v<Header>);
 
 ContentKey keyOf(XXH128_hash_t hash) {
     return {hash.low64, hash.high64};
@@ -180,6 +180,10 @@ class Draft {
 
 }  // namespace
 
+ContentKey contentKey(const Tree& tree) {
+    return arraysHash(tree);
+}
+
 void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesystem::path& file) {
     Header header;
     header.nodes = tree.nodes.size();
@@ -189,6 +193,7 @@ void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesy
     header.mesh = contentKey(tree.mesh());
     header.maxLeafTriangles = settings.maxLeafTriangles;
     header.bins = settings.bins;
+    header.tuningPoses = settings.tuningPoses;
     for (int axis = 0; axis < 3; ++axis) {
         header.bounds[static_cast<std::size_t>(axis)] = tree.lower[axis];
         header.bounds[static_cast<std::size_t>(axis) + 3] = tree.upper[axis];
@@ -200,6 +205,7 @@ void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesy
                           header.whole.begin() + 4 * static_cast<std::ptrdiff_t>(column + 1));
     }
     header.whole[16] = tree.whole.unit;
+    header.whole[17] = tree.rateOctaves;
     header.arrays = arraysHash(tree);
     header.own = ownHash(header);
     Draft draft(file);
@@ -231,7 +237,7 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
         fail("its header was changed", file);
     }
     if (header.mesh != contentKey(mesh) || header.maxLeafTriangles != settings.maxLeafTriangles ||
-        header.bins != settings.bins) {
+        header.bins != settings.bins || header.tuningPoses != settings.tuningPoses) {
         fail("belongs to another mesh or other settings", file);
     }
     constexpr std::uint64_t most = std::uint64_t{1} << 31U;  // indices have 31 bits
@@ -274,6 +280,7 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
         }
     }
     tree.whole.unit = header.whole[16];
+    tree.rateOctaves = header.whole[17];
     requireSound(tree, file);
     if (!sameContent(tree.mesh(), mesh)) {
         fail("belongs to another mesh of the same hash", file);

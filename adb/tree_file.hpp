@@ -9,8 +9,12 @@
 #include <filesystem>
 
 #include <grapeshot/adb/tree.hpp>
+#include <grapeshot/core/content_key.hpp>
 
 namespace grapeshot {
+
+/// Of all arrays of the tree: with the same key, indices of nodes and leaves mean the same. O(n)
+[[nodiscard]] ContentKey contentKey(const Tree& tree);
 
 /// Writes to a name of its own beside `file` and renames it when all is there, so that whoever reads `file` sees the
 /// old one or the new one, from other processes too. Leaves nothing behind when it fails.

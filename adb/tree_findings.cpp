@@ -271,6 +271,9 @@ class Inspector {
                                    1e-5 * covariance.trace() + 1e-12 * extent * extent);
             }
         }
+        if (!(std::abs(m_tree.rateOctaves) <= 4)) {
+            say("its tuning is out of range");
+        }
         if (wrong && truth.area > 0) {
             say("the distribution of the whole surface is not that of its triangles");
         }

@@ -30,4 +30,9 @@ ContentKey contentKey(MeshView mesh) noexcept {
     return {hash.low64, hash.high64};
 }
 
+ContentKey contentKey(std::span<const std::byte> bytes) noexcept {
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    return {hash.low64, hash.high64};
+}
+
 }  // namespace grapeshot

@@ -62,8 +62,8 @@ struct MeshModel {
     bool solid = false;
 };
 
-/// @throws Error as `build` does
-[[nodiscard]] MeshModel makeModel(MeshView mesh, const BuildSettings& settings = {});
+/// @throws Error as `build` does. Not tuned by default: contacts ask for no estimate of a decision.
+[[nodiscard]] MeshModel makeModel(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0});
 /// Around a tree that is there already.
 [[nodiscard]] MeshModel makeModelOf(Tree tree);
 

@@ -19,14 +19,14 @@ using Model = std::shared_ptr<const MeshModel>;
 
 struct CacheKey {
     std::uint64_t low, high;
-    int maxLeafTriangles, bins;
+    int maxLeafTriangles, bins, tuningPoses;
     friend auto operator<=>(const CacheKey&, const CacheKey&) = default;
 };
 
 std::string fileName(const ContentKey& key, const BuildSettings& settings) {
     char name[80];
-    std::snprintf(name, sizeof(name), "%016" PRIx64 "%016" PRIx64 "-%d-%d.tree", key.high, key.low,
-                  settings.maxLeafTriangles, settings.bins);
+    std::snprintf(name, sizeof(name), "%016" PRIx64 "%016" PRIx64 "-%d-%d-%d.tree", key.high, key.low,
+                  settings.maxLeafTriangles, settings.bins, settings.tuningPoses);
     return name;
 }
 
@@ -103,7 +103,7 @@ ModelCache::~ModelCache() = default;
 
 std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSettings& settings) {
     const ContentKey content = contentKey(mesh);
-    const CacheKey key{content.low, content.high, settings.maxLeafTriangles, settings.bins};
+    const CacheKey key{content.low, content.high, settings.maxLeafTriangles, settings.bins, settings.tuningPoses};
     State& state = *m_state;
     std::list<Model> leaving;  // before the lock, so that it is destroyed after it
     std::promise<Model> promise;

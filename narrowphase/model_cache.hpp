@@ -24,7 +24,7 @@ class ModelCache {
 
     /// The model of this content, built now if need be. Content is compared, not only hashed.
     /// @throws Error as `build` does; the cache is unchanged then.
-    std::shared_ptr<const MeshModel> get(MeshView mesh, const BuildSettings& settings = {});
+    std::shared_ptr<const MeshModel> get(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0});
 
     struct Counts {
         std::uint64_t hits = 0, builds = 0;

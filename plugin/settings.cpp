@@ -43,6 +43,10 @@ std::string_view name(Status status) noexcept {
             return "an argument is out of range";
         case Status::outOfMemory:
             return "out of memory";
+        case Status::badState:
+            return "the bytes are no saved state";
+        case Status::otherWorld:
+            return "the state is of another world";
     }
     return "unknown";
 }

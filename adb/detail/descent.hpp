@@ -24,6 +24,7 @@ struct Descent {
     Side* stackB = nullptr;
     std::size_t depth = 0;
     std::size_t capacity = 0;          ///< of both, at least stackRoom more than `depth`
+    float rateOctaves = 0;             ///< what the two trees add to the log2 of every rate
     void (*grow)(Descent&) = nullptr;  ///< makes the capacity larger
     void* owner = nullptr;             ///< for `grow`
     std::uint64_t work = 0;            ///< units spent
@@ -50,6 +51,7 @@ inline void setTrees(Descent& descent, const Tree& a, const Tree& b) noexcept {
     descent.distributionsB = b.distributions.data();
     descent.leavesA = a.leaves.data();
     descent.leavesB = b.leaves.data();
+    descent.rateOctaves = 0.5F * (a.rateOctaves + b.rateOctaves);
 }
 
 [[nodiscard]] inline const LeafBlock& blockA(const Descent& descent, SidePair leaves) noexcept {

@@ -66,6 +66,17 @@ inline void startCut(Cut& cut) noexcept {
 /// Of `mostSteps`: the estimate never hands over while the cut is not too large.
 inline constexpr std::uint32_t endlessSteps = std::numeric_limits<std::uint32_t>::max();
 
+/// Probabilities between these two are as good as undecided: the odds are so many times from both limits that the next
+/// steps seldom reach one of them. No doubt if from >= to.
+struct Doubt {
+    float from, to;
+};
+[[nodiscard]] inline Doubt doubtBetween(float rejectAt, float acceptAt) noexcept {
+    constexpr float farOdds = 64;
+    const auto withOdds = [](float p, float factor) { return factor * p / (factor * p + 1 - p); };
+    return {withOdds(rejectAt, farOdds), withOdds(acceptAt, 1 / farOdds)};
+}
+
 enum class EstimateEnd {
     exhausted,  ///< the cut is empty: the surfaces are apart
     found,      ///< at Descent::found, which is off the cut: they intersect

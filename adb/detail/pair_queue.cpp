@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace grapeshot::detail {
 
@@ -16,6 +17,12 @@ void PairQueue::push(SidePair pair, float margin) {
 void PairQueue::pop() {
     std::pop_heap(m_heap.begin(), m_heap.end(), comesLater);
     m_heap.pop_back();
+}
+
+void PairQueue::restore(std::vector<Entry> entries, std::uint64_t pushed) {
+    m_heap = std::move(entries);
+    m_pushed = pushed;
+    std::make_heap(m_heap.begin(), m_heap.end(), comesLater);
 }
 
 }  // namespace grapeshot::detail

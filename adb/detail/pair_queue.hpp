@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <grapeshot/adb/detail/descent.hpp>
@@ -21,12 +22,17 @@ class PairQueue {
     [[nodiscard]] SidePair top() const { return m_heap.front().pair; }
     void pop();
 
-  private:
     struct Entry {
-        float margin;
-        std::uint64_t number;
+        float margin;          ///< m
+        std::uint64_t number;  ///< of those that were pushed before it
         SidePair pair;
     };
+    /// In no particular order; those that were pushed so far. `restore` takes any order, and numbers below `pushed`.
+    [[nodiscard]] std::span<const Entry> entries() const { return m_heap; }
+    [[nodiscard]] std::uint64_t pushed() const { return m_pushed; }
+    void restore(std::vector<Entry> entries, std::uint64_t pushed);
+
+  private:
     static bool comesLater(const Entry& a, const Entry& b) {
         return a.margin != b.margin ? a.margin < b.margin : a.number > b.number;
     }

@@ -32,6 +32,7 @@ struct Query::State {
     void recallWitness();
     detail::DescentEnd testPending(std::uint64_t units);
     detail::DescentEnd nextOverlap(std::uint64_t units);
+    [[nodiscard]] bool leavesEstimateOut(const Budget& budget) const;
     bool lookAtWholes();
     /// From the cut to the stack.
     void handOver();
@@ -63,10 +64,11 @@ struct Query::State {
     TrianglePair hitTriangles;
 
     DecideSettings settings;
+    std::uint32_t fruitless = 0;  ///< estimates in a row that came to no limit, or were left out for that
     bool estimating = false;      ///< the cut holds what is left, not the stack or the queue
     bool looking = false;         ///< the whole surfaces are still to be looked at
     bool inside = false;          ///< one may lie inside the other: no estimated yes
-    float wholeDistance = 0;      ///< D^2 of the whole surfaces, if that was enough
+    float wholeProbability = 0;   ///< by the whole surfaces, if that was enough; else 0.5
     bool ignoreLimits = false;    ///< it was sure enough once
     std::uint64_t exactFrom = 0;  ///< work when the estimate handed over
     /// Of `settings`, in rates; of those that they were worked out for last, if `settings` needs none.

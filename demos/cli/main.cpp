@@ -12,13 +12,16 @@ namespace {
 using namespace grapeshot;
 
 int runTool(int argc, char** argv) {
-    CLI::App tool("Approximate, time-critical collision detection: looks at meshes and compares them.", "grapeshot");
+    CLI::App tool("Approximate, time-critical collision detection: looks at meshes, compares them, runs scenes.",
+                  "grapeshot");
     tool.require_subcommand(1);
     tool.set_version_flag("--version",
                           "grapeshot " GRAPESHOT_VERSION " (kernels: " + std::string(name(instructionSet())) + ")");
     std::function<cli::ExitCode()> run;
     cli::addInspect(tool, run);
     cli::addCompare(tool, run);
+    cli::addRun(tool, run);
+    cli::addScene(tool, run);
     try {
         tool.parse(argc, argv);
     } catch (const CLI::ParseError& end) {

@@ -144,6 +144,33 @@ void ManifoldWriter::collect(btManifoldArray& manifolds) const {
     }
 }
 
+std::vector<ManifoldState> ManifoldWriter::saved() const {
+    std::vector<ManifoldState> states;
+    for (const Own& own : m_own) {
+        ManifoldState& state = states.emplace_back();
+        state.place = own.manifold->m_index1a;
+        state.slot = own.slot;
+        state.ahead = own.ahead;
+        state.breaking = own.breaking;
+        copyPoints(*own.manifold, state);
+    }
+    return states;
+}
+
+void ManifoldWriter::adopt(std::size_t index, const ManifoldState& state, const btCollisionObject& body0,
+                           const btCollisionObject& body1) {
+    m_own.resize(std::max(m_own.size(), index + 1));
+    btPersistentManifold* manifold = m_dispatcher.getNewManifold(&body0, &body1);
+    if (manifold != nullptr) {
+        setPoints(state, *manifold);
+        m_own[index] = {manifold, state.slot, state.ahead, false, state.breaking};
+    }
+}
+
+void ManifoldWriter::adopted() {
+    std::erase_if(m_own, [](const Own& own) { return own.manifold == nullptr; });
+}
+
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION
 }  // namespace grapeshot

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <grapeshot/narrowphase/contact_set.hpp>
+#include <grapeshot/plugin/detail/manifold_state.hpp>
 #include <grapeshot/plugin/detail/point_insertion.hpp>
 
 namespace grapeshot {
@@ -49,6 +50,13 @@ class ManifoldWriter {
     /// From within a callback: nothing more is written.
     void stop() { m_stopped = true; }
     void collect(btManifoldArray& manifolds) const;
+
+    [[nodiscard]] std::vector<ManifoldState> saved() const;
+    /// Makes a manifold with these points number `index` of the own ones. Bullet names body0 first. `adopted` comes
+    /// after the last of them, in whatever order.
+    void adopt(std::size_t index, const ManifoldState& state, const btCollisionObject& body0,
+               const btCollisionObject& body1);
+    void adopted();
 
   private:
     struct Own {

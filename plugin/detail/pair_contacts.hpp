@@ -4,6 +4,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 #include <memory>
+#include <utility>
 
 #include <grapeshot/narrowphase/pair_update.hpp>
 #include <grapeshot/plugin/detail/shape_models.hpp>
@@ -55,6 +56,12 @@ class PairContacts {
     [[nodiscard]] bool touches() const;  ///< there are some now
     /// Contacts that the motion of the coming step will make.
     [[nodiscard]] const ContactSet& ahead() const { return m_ahead; }
+
+    [[nodiscard]] const PairState& state() const { return m_state; }
+    void restore(PairState state, ContactSet ahead) {
+        m_state = std::move(state);
+        m_ahead = std::move(ahead);
+    }
 
   private:
     PairResult stepSolid(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,

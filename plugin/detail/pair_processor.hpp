@@ -17,6 +17,8 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
+struct SavedPair;
+
 /// A pair's share of one step, over as many calls as it took.
 struct PairShare {
     std::uint64_t slice = 0;      ///< work units it was given
@@ -61,6 +63,16 @@ class PairProcessor {
     [[nodiscard]] std::uint64_t wanted() const;  ///< work units, as the last steps tell
     [[nodiscard]] std::uint32_t age() const { return m_age; }
     [[nodiscard]] PairTraits traits() const;
+
+    // Between steps, to save and restore; pair_saving.cpp.
+
+    /// Is there anything to save? Not for shapes that are not ours or cannot be used.
+    [[nodiscard]] bool remembers() const;
+    [[nodiscard]] const MeshModel* model(std::size_t body) const { return m_models[body]->mesh.get(); }
+    [[nodiscard]] SavedPair saved() const;  ///< without keys
+    /// For a pair that was just made. Its manifolds come afterwards, each in its place among those of all pairs.
+    void restore(SavedPair pair, const btCollisionObject& body0, const btCollisionObject& body1);
+    [[nodiscard]] ManifoldWriter& writer() { return m_writer; }
 
   private:
     using Bodies = std::array<const btCollisionObjectWrapper*, 2>;

@@ -82,6 +82,11 @@ void ShapeEntry::notifyChanged() {
     m_changed = true;
 }
 
+std::shared_ptr<const ShapeModel> ShapeEntry::present() {
+    const std::lock_guard lock(m_mutex);
+    return m_model;
+}
+
 bool ShapeEntry::isUnchanged(std::size_t vertices, std::size_t triangles) {
     const Tree& tree = m_model->mesh->tree;
     const std::size_t phase = m_cursor++;
@@ -152,17 +157,22 @@ std::shared_ptr<ShapeEntry> ShapeModels::entry(const btCollisionShape& shape) {
     return found;
 }
 
+std::shared_ptr<ShapeEntry> ShapeModels::known(const btCollisionShape& shape) {
+    const std::lock_guard lock(m_mutex);
+    const auto place = m_entries.find(&shape);
+    return place != m_entries.end() ? place->second.entry : nullptr;
+}
+
 void ShapeModels::notifyChanged(const btCollisionShape& shape) {
-    std::shared_ptr<ShapeEntry> found;
-    {
-        const std::lock_guard lock(m_mutex);
-        const auto place = m_entries.find(&shape);
-        if (place == m_entries.end()) {
-            return;  // will be read when it is met
-        }
-        found = place->second.entry;
+    // One that is not known will be read when it is met.
+    if (const std::shared_ptr<ShapeEntry> found = known(shape)) {
+        found->notifyChanged();
     }
-    found->notifyChanged();
+}
+
+std::shared_ptr<const ShapeModel> ShapeModels::present(const btCollisionShape& shape) {
+    const std::shared_ptr<ShapeEntry> found = known(shape);
+    return found ? found->present() : nullptr;
 }
 
 /// Under the lock. Which go depends on when they were used, not on their addresses.

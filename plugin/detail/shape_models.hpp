@@ -40,6 +40,8 @@ class ShapeEntry {
     std::shared_ptr<const ShapeModel> model(const btCollisionShape& shape, ModelCache& cache, Check check,
                                             std::uint64_t step);
     void notifyChanged();
+    /// What is known, without a look at the shape; null: nothing.
+    [[nodiscard]] std::shared_ptr<const ShapeModel> present();
 
   private:
     [[nodiscard]] bool isUnchanged(std::size_t vertices, std::size_t triangles);
@@ -63,6 +65,8 @@ class ShapeModels {
     /// Hold it as long as the shape is in use.
     std::shared_ptr<ShapeEntry> entry(const btCollisionShape& shape);
     void notifyChanged(const btCollisionShape& shape);
+    /// For drawing: the shape's model if there is one, not checked for edits.
+    std::shared_ptr<const ShapeModel> present(const btCollisionShape& shape);
     ModelCache& cache() { return m_cache; }
 
   private:
@@ -71,6 +75,7 @@ class ShapeModels {
         std::uint64_t lastUse = 0;
     };
     void dropIdle();
+    std::shared_ptr<ShapeEntry> known(const btCollisionShape& shape);
 
     std::mutex m_mutex;
     std::unordered_map<const btCollisionShape*, Place> m_entries;  // looked up, never walked in its order

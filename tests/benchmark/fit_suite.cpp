@@ -6,10 +6,12 @@
 #include <iostream>
 #include <stdexcept>
 
+#include <grapeshot/adb/detail/pair_walk.hpp>
+#include <grapeshot/adb/query.hpp>
+#include <grapeshot/adb/tuning.hpp>
 #include <support/poses.hpp>
 
 #include "fit_meshes.hpp"
-#include "pair_walk.hpp"
 #include "rate_fit.hpp"
 #include "region_fit.hpp"
 #include "table_fit.hpp"
@@ -24,12 +26,12 @@ constexpr RateFormula firstGuess{-0.4F, -0.65F, 0.57F};
 constexpr std::uint32_t longestWalk = 96;
 /// Of the poses in which contact regions are watched, as parts of the box's diagonal: mostly penetrations.
 constexpr double regionGaps[] = {-0.08, -0.05, -0.03, -0.015, -0.005, 0.004};
-constexpr std::uint32_t estimateSteps = 4;  ///< of the default settings
+constexpr int tuningRounds = 3;
 
 /// Children of the last of one to twelve steps, three in ten of them.
 void samplePairs(const Tree& tree, const std::vector<Pose>& poses, test::Random& random,
                  std::vector<PairSample>& samples) {
-    PairWalk walk(tree, tree);
+    detail::PairWalk walk(tree, tree);
     for (const Pose& pose : poses) {
         if (!walk.start(pose)) {
             continue;
@@ -83,7 +85,7 @@ Calibration::Row leastSure(const std::vector<Seen>& meshes) {
 
 /// The rate after every step of each pose, and what came of it.
 void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& formula, Tables& tables) {
-    PairWalk walk(tree, tree);
+    detail::PairWalk walk(tree, tree);
     for (const Pose& pose : poses) {
         if (!walk.start(pose)) {
             continue;
@@ -98,7 +100,7 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
                 break;  // certain
             }
             tables.bySteps[Calibration::rowOf(step)].emplace_back(walk.cut().rate, collides);
-            if (step == estimateSteps) {
+            if (step == DecideSettings().estimateSteps) {
                 std::uint64_t exactSteps = 0;
                 if (walk.overlapsBelowCut(exactSteps) != collides) {
                     throw std::logic_error("the cut has lost a pair");
@@ -114,13 +116,33 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
     }
 }
 
+template <class SeenRows, class Table>
+void fillRows(const SeenRows& seen, Table& table) {
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        // A small sample may not reach so far.
+        table[row] = seen[row].empty() ? table[row == 0 ? 0 : row - 1] : fitRow(seen[row]);
+    }
+}
+
+/// As `build` will, but for the mean, which belongs to the table.
+void tuneAll(std::vector<Tree>& trees, const Calibration& calibration) {
+    float mean = 0;
+    for (Tree& tree : trees) {
+        tune(tree, BuildSettings().tuningPoses, calibration);
+        mean += tree.rateOctaves / static_cast<float>(trees.size());
+    }
+    for (Tree& tree : trees) {
+        tree.rateOctaves -= mean;
+    }
+}
+
 }  // namespace
 
 report::Report runFitSuite(const Options& options) {
     const int perMesh = options.poses.value_or(options.quick ? 600 : 24'000);
     std::vector<Tree> trees;
     for (const NamedMesh& mesh : fitMeshes(options.quick)) {
-        trees.push_back(build(mesh.mesh.view()));
+        trees.push_back(build(mesh.mesh.view(), {.tuningPoses = 0}));
     }
     const auto posesOf = [&](const Tree& tree, std::uint64_t seed) {
         return test::zachmannPoses(tree, tree, distances, (perMesh + distances - 1) / distances, seed).poses;
@@ -135,10 +157,18 @@ report::Report runFitSuite(const Options& options) {
     calibration.poses =
         "two copies of a generated mesh, twelve centre distances from 0.2 to 1.05 of the mean bounding "
         "diameter, uniform directions and rotations; regions: the same mesh, up to 8 % of the diagonal in each other";
+    // Trees are tuned to the table, and the table is fitted to tuned trees: in turn, the table last.
     Tables tables;
-    for (const Tree& tree : trees) {
-        tables.wholes.emplace_back();
-        watch(tree, posesOf(tree, random.bits()), calibration.formula, tables);
+    for (int round = 0; round <= tuningRounds; ++round) {
+        tables = Tables();
+        for (const Tree& tree : trees) {
+            tables.wholes.emplace_back();
+            watch(tree, posesOf(tree, random.bits()), calibration.formula, tables);
+        }
+        if (round < tuningRounds) {
+            fillRows(tables.bySteps, calibration.bySteps);
+            tuneAll(trees, calibration);
+        }
     }
     report::Report results{.suite = "fit", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
     report::Row pairs;
@@ -153,12 +183,11 @@ report::Report runFitSuite(const Options& options) {
                       {"length", calibration.formula.length}};
     results.rows.push_back(pairs);
     const auto fill = [&](const char* scenario, const auto& seen, auto& table) {
+        fillRows(seen, table);
         for (std::size_t row = 0; row < table.size(); ++row) {
             if (seen[row].empty()) {
-                table[row] = table[row == 0 ? 0 : row - 1];  // a small sample may not reach so far
                 continue;
             }
-            table[row] = fitRow(seen[row]);
             report::Row line;
             line.scenario = scenario + std::to_string(row);
             line.mesh = "all";

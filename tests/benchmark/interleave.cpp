@@ -26,15 +26,21 @@ Contender contender(const Peer& peer, std::span<const Pose> poses) {
 std::vector<Times> interleaved(const std::vector<Contender>& contenders, std::size_t questions, int repetitions) {
     // Long enough that the fastest are not measured on what the one before left in the caches.
     constexpr std::size_t chunk = 2000;
+    constexpr std::size_t warmUp = 100;
     std::vector<Times> times(contenders.size());
     std::size_t yes = 0;
     for (int repetition = 0; repetition < repetitions; ++repetition) {
         std::vector<double> sums(contenders.size(), 0);
         for (std::size_t begin = 0; begin < questions; begin += chunk) {
             const std::size_t end = std::min(begin + chunk, questions);
-            const std::size_t first = begin / chunk + static_cast<std::size_t>(repetition);
+            const std::size_t round = begin / chunk + static_cast<std::size_t>(repetition);
             for (std::size_t turn = 0; turn < contenders.size(); ++turn) {
-                const std::size_t who = (first + turn) % contenders.size();
+                // Backwards every other time, so that nobody always comes after the same one.
+                const std::size_t place = round % 2 == 0 ? turn : contenders.size() - 1 - turn;
+                const std::size_t who = (round / 2 + place) % contenders.size();
+                // Not timed: what the one before has left in caches and predictors. Other questions than the next.
+                const std::size_t last = begin == 0 ? questions : begin;
+                yes += contenders[who](last - std::min(last, warmUp), last);
                 const double start = report::threadCpuUs();
                 yes += contenders[who](begin, end);
                 sums[who] += report::threadCpuUs() - start;

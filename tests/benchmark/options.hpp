@@ -18,15 +18,15 @@ struct DistanceRange {
 };
 
 struct Options {
-    std::string
-        suite;  ///< anytime | contacts | decide | fit | guarantee | paper | scene | tracking | trees | workloads
+    std::string suite;  ///< anytime | contacts | decide | fit | guarantee | paper | scene | stochastic | tracking |
+                        ///< trees | workloads
     std::vector<std::string> meshes;     ///< files in place of the generated meshes (not scene; paper: the shown ones)
     std::vector<std::string> scenarios;  ///< only these; empty: all
     bool quick = false;                  ///< a sample: counts are still checked, times are not claimed
     std::optional<int> poses;            ///< per mesh (decide, anytime), per distance (paper)
     DistanceRange distances;             ///< paper
-    std::string plotFolder;              ///< anytime, contacts, paper; empty: no plots
-    std::optional<int> repetitions;      ///< of every timed measurement
+    std::string plotFolder;              ///< anytime, contacts, paper, stochastic; empty: no plots
+    std::optional<int> repetitions;      ///< of every timed measurement; episodes per scene (stochastic)
     std::uint64_t seed = 20031119;
     std::string jsonFile;
     std::string outputFile;  ///< the calibration (fit)

@@ -22,7 +22,7 @@ forbid "core adb scf narrowphase plugin demos" '[<"](tests|support|gtest|gmock|b
 public() { find "$1" -maxdepth 1 -name '*.hpp'; }
 for header in $(public core) $(public adb) $(public scf) $(public narrowphase) $(public plugin); do
     allowed='<(grapeshot/[a-z_]+/[a-z_0-9]+\.hpp|Eigen/[A-Za-z]+|[a-z_]+)>'
-    [[ $header != plugin/* ]] || allowed="($allowed|<(bt|LinearMath/|BulletCollision/|BulletDynamics/|BulletSoftBody/)[A-Za-z/]*(\\.h)?>|<grapeshot/plugin\\.hpp>)"
+    [[ $header != plugin/* ]] || allowed="($allowed|<(bt|LinearMath/|BulletCollision/|BulletDynamics/|BulletSoftBody/)[A-Za-z0-9/]*(\\.h)?>|<grapeshot/plugin\\.hpp>)"
     found=$(grep -nE '^ *# *include' "$header" | grep -vE "# *include $allowed" || true)
     [ -z "$found" ] || { printf '%s includes what a public header may not:\n%s\n' "$header" "$found" >&2; code=1; }
 done

@@ -52,6 +52,7 @@ class MeshShape {
     MeshShape(MeshShape&&) = default;
 
     btCollisionShape& operator*() const { return *shape; }
+    btCollisionShape* operator->() const { return shape.get(); }
     btCollisionShape* get() const { return shape.get(); }
 
     scenes::Mesh mesh;

@@ -91,6 +91,67 @@ TEST_F(Dispatching, UnregisterRestoresGImpactToo) {
     EXPECT_EQ(unregisterAlgorithms(&dispatcher), Status::notRegistered);
 }
 
+TEST_F(Dispatching, UnregisterLeavesAGImpactThatCameLaterAndRestoresTheRest) {
+    const Tables plain = tablesOf(dispatcher);
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
+    const Tables overtaken = tablesOf(dispatcher);
+    ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
+    for (const Table table : {Table::contacts, Table::closest}) {
+        for (int i = 0; i < MAX_BROADPHASE_COLLISION_TYPES; ++i) {
+            for (int j = 0; j < MAX_BROADPHASE_COLLISION_TYPES; ++j) {
+                EXPECT_FALSE(isOurs(dispatcher, table, i, j)) << i << ' ' << j;
+            }
+        }
+    }
+    const Tables after = tablesOf(dispatcher);
+    std::size_t gimpacts = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+        EXPECT_TRUE(after[i] == plain[i] || after[i] == overtaken[i]);
+        gimpacts += after[i] != plain[i] ? 1 : 0;
+    }
+    EXPECT_EQ(gimpacts, 2U * MAX_BROADPHASE_COLLISION_TYPES - 1);  // the contact table's row and column
+}
+
+TEST_F(Dispatching, UnregisterAfterBothOrdersOfGImpactGivesGImpactBack) {
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
+    const btCollisionAlgorithmCreateFunc* gimpact =
+        creatorIn(dispatcher, Table::contacts, GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE);
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);  // over it again
+    ASSERT_TRUE(isRegistered(&dispatcher));
+    ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
+    for (const int other : ourTypes) {
+        EXPECT_EQ(creatorIn(dispatcher, Table::contacts, GIMPACT_SHAPE_PROXYTYPE, other), gimpact);
+        EXPECT_EQ(creatorIn(dispatcher, Table::contacts, other, GIMPACT_SHAPE_PROXYTYPE), gimpact);
+        EXPECT_FALSE(isOurs(dispatcher, Table::closest, GIMPACT_SHAPE_PROXYTYPE, other));
+        EXPECT_FALSE(isOurs(dispatcher, Table::closest, other, GIMPACT_SHAPE_PROXYTYPE));
+    }
+}
+
+TEST_F(Dispatching, TwiceRegisteredIsOnceUnregistered) {
+    const Tables before = tablesOf(dispatcher);
+    Settings other;
+    other.maxManifolds = 3;
+    for (int round = 0; round < 3; ++round) {
+        ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+        ASSERT_EQ(registerAlgorithms(&dispatcher, other), Status::ok);
+        ASSERT_EQ(registerAlgorithms(&dispatcher, other), Status::ok);
+        ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
+        EXPECT_EQ(tablesOf(dispatcher), before);
+        EXPECT_EQ(unregisterAlgorithms(&dispatcher), Status::notRegistered);
+        EXPECT_EQ(tablesOf(dispatcher), before);
+    }
+}
+
+TEST_F(Dispatching, TheDispatcherWithABudgetCanBeUnregisteredToo) {
+    const Tables plain = tablesOf(dispatcher);
+    Dispatcher budgeted(&configuration);
+    ASSERT_TRUE(isRegistered(&budgeted));
+    ASSERT_EQ(unregisterAlgorithms(&budgeted), Status::ok);
+    EXPECT_EQ(tablesOf(budgeted), plain);
+}
+
 TEST_F(Dispatching, NoticesThatItWasOvertaken) {
     ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
@@ -180,6 +241,53 @@ TEST(Registration, AlgorithmsOutliveTheirRegistration) {
     ASSERT_EQ(unregisterAlgorithms(&world.dispatcher), Status::ok);
     world.step(60);
     EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 1.02, 0.01);
+}
+
+/// After unregistering live pairs go on, and pairs that are made anew are Bullet's again.
+template <class World>
+void expectPartedPairsAreBulletsAgain() {
+    const MeshShape block(scenes::box({0.5F, 0.5F, 0.5F}), Kind::bvh, 0.01_s);
+    World world({}, false);
+    ASSERT_EQ(registerAlgorithms(&world.dispatcher), Status::ok);
+    world.add(*block, at({0, 0, 0}));
+    btRigidBody& upper = world.add(*block, at({0, 1.01_s, 0}), 1);
+    world.step(5);
+    Collector found;
+    world.world.contactTest(&upper, found);
+    ASSERT_GT(found.points.size(), 0U);
+    ASSERT_EQ(unregisterAlgorithms(&world.dispatcher), Status::ok);
+    world.step(30);
+    EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 1.02, 0.02);
+    Collector none;
+    world.world.contactTest(&upper, none);
+    EXPECT_EQ(none.points.size(), 0U);
+    world.world.getPairCache()->cleanProxyFromPairs(upper.getBroadphaseHandle(), &world.dispatcher);
+    EXPECT_EQ(world.dispatcher.getNumManifolds(), 0);
+    upper.activate();
+    world.step(60);
+    EXPECT_LT(upper.getWorldTransform().getOrigin().y(), 0);  // through the floor, as ever
+}
+
+TEST(Registration, PairsMadeAfterUnregisteringAreBulletsAgain) {
+    expectPartedPairsAreBulletsAgain<TestWorld>();
+    expectPartedPairsAreBulletsAgain<BudgetWorld>();
+}
+
+TEST(Registration, RegisteringAgainTakesNewPairsAndLeavesOldOnesTheirs) {
+    const MeshShape block(scenes::box({0.5F, 0.5F, 0.5F}), Kind::bvh, 0.01_s);
+    TestWorld world;
+    world.add(*block, at({0, 0, 0}));
+    btRigidBody& upper = world.add(*block, at({0, 1.01_s, 0}), 1);
+    world.step(5);
+    ASSERT_EQ(unregisterAlgorithms(&world.dispatcher), Status::ok);
+    ASSERT_EQ(registerAlgorithms(&world.dispatcher), Status::ok);
+    world.step(5);
+    EXPECT_EQ(world.stats().pairs.size(), 0U);  // the old pair reports to the old registration
+    EXPECT_GT(world.dispatcher.getNumManifolds(), 0);
+    world.world.getPairCache()->cleanProxyFromPairs(upper.getBroadphaseHandle(), &world.dispatcher);
+    world.step(5);
+    EXPECT_EQ(world.stats().pairs.size(), 1U);
+    EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 1.02, 0.02);
 }
 
 TEST(Registration, OwnCreateFuncWorksWithoutRegistration) {
