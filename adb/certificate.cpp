@@ -8,7 +8,7 @@
 #include <grapeshot/adb/certification_poses.hpp>
 #include <grapeshot/adb/detail/fixed_sequence.hpp>
 #include <grapeshot/adb/detail/require_setting.hpp>
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
 
 namespace grapeshot {

@@ -16,6 +16,7 @@
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/pose.hpp>
 #include <grapeshot/core/random.hpp>
+#include <grapeshot/core/triangle_pair.hpp>
 
 namespace grapeshot {
 
@@ -51,14 +52,6 @@ struct DecideSettings {
     [[nodiscard]] static DecideSettings exact(Order order = Order::depthFirst) {
         return {.estimateSteps = 0, .acceptAt = 1, .rejectAt = 0, .calibration = nullptr, .order = order};
     }
-};
-
-/// Two triangles, one of each mesh, by their index in the mesh.
-struct TrianglePair {
-    std::uint32_t triangleA = noTriangle;
-    std::uint32_t triangleB = noTriangle;
-    friend bool operator==(const TrianglePair&, const TrianglePair&) = default;
-    friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
 };
 
 /// Do the surfaces intersect? (A mesh wholly inside another does not: see `contains` in point_query.hpp.)

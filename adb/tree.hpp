@@ -14,6 +14,7 @@
 #include <vector>
 
 #include <grapeshot/core/mesh_view.hpp>
+#include <grapeshot/core/triangle_pair.hpp>
 
 namespace grapeshot {
 
@@ -70,7 +71,6 @@ struct alignas(16) WholeSurface {
 };
 
 /// Up to four triangles as structure of arrays. Unused lanes repeat lane 0 and have triangle id noTriangle.
-inline constexpr std::uint32_t noTriangle = 0xffffffffU;
 struct alignas(16) LeafBlock {
     float corner[3][3][4];  ///< [corner][axis][lane]
     std::uint32_t triangle[4];

@@ -18,7 +18,7 @@ function(grapeshot_check_headers name target)
     target_compile_options(${name} PRIVATE -O0 -g0)  # only whether they compile
 endfunction()
 
-grapeshot_check_headers(grapeshot_header_check Grapeshot::grapeshot ROOMS core adb narrowphase)
+grapeshot_check_headers(grapeshot_header_check Grapeshot::grapeshot ROOMS core adb scf narrowphase)
 grapeshot_check_headers(grapeshot_header_check_bullet Grapeshot::bullet ROOMS plugin)
 if(GRAPESHOT_FLOAT64)
     grapeshot_check_headers(grapeshot_header_check_bullet_float64 Grapeshot::bullet-float64 ROOMS plugin)

@@ -30,7 +30,7 @@ if(GRAPESHOT_FLOAT64)
     grapeshot_install_pc(grapeshot-bullet-float64)
 endif()
 
-foreach(room core adb narrowphase plugin)
+foreach(room core adb scf narrowphase plugin)
     install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/grapeshot/${room} FILES_MATCHING PATTERN "*.hpp"
             PATTERN detail EXCLUDE PATTERN reference EXCLUDE)
 endforeach()

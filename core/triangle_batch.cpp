@@ -156,8 +156,8 @@ HWY_INLINE std::uint32_t distanceOf(const Pairs16& unscaled, float maxDistance, 
     return open;
 }
 
-std::uint32_t distanceKernel(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out) {
-    return distanceOf(pairsOf(a, b), std::numeric_limits<float>::infinity(), out);
+std::uint32_t distanceKernel(const TriangleBatch& a, const TriangleBatch& b, float maxDistance, DistanceBatch& out) {
+    return distanceOf(pairsOf(a, b), maxDistance, out);
 }
 
 std::uint32_t distanceLeavesKernel(const FourTriangles& a, const FourTriangles& b, const float* pose, float maxDistance,
@@ -292,9 +292,10 @@ static std::uint32_t overlapsBatch(const TriangleBatch& a, const TriangleBatch& 
     });
 }
 
-static void signedDistancesBatch(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out) noexcept {
+static void signedDistancesBatch(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out,
+                                 float maxDistance) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(distanceKernel);
-    settleDistances(kernel.chosen()(a, b, out), out, [&](int lane) noexcept {
+    settleDistances(kernel.chosen()(a, b, maxDistance, out), out, [&](int lane) noexcept {
         return HardPair{triangleOf(a, lane), triangleOf(b, lane)};
     });
 }
@@ -305,8 +306,8 @@ std::uint32_t overlaps(const TriangleBatch& a, const TriangleBatch& b) noexcept 
     return detail::overlapsBatch(a, b);
 }
 
-void signedDistances(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out) noexcept {
-    detail::signedDistancesBatch(a, b, out);
+void signedDistances(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out, float maxDistance) noexcept {
+    detail::signedDistancesBatch(a, b, out, maxDistance);
 }
 
 }  // namespace grapeshot

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace grapeshot {
 
@@ -38,6 +39,9 @@ struct alignas(64) DistanceBatch {
 
 /// Signed distance and witness points of sixteen pairs. One work unit. Lanes are independent: a lane's bytes do not
 /// depend on the other lanes nor on the instruction set.
-void signedDistances(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out) noexcept;
+/// @param maxDistance m: lanes that are easily seen to be farther apart get the largest float as distance and no meaning
+/// in the rest; much cheaper where all are
+void signedDistances(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out,
+                     float maxDistance = std::numeric_limits<float>::infinity()) noexcept;
 
 }  // namespace grapeshot

@@ -1,6 +1,6 @@
 #include <grapeshot/adb/detail/fixed_sequence.hpp>
 
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 
 namespace grapeshot::detail {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <grapeshot/adb/detail/incomplete_beta.hpp>
+#include <grapeshot/core/detail/incomplete_beta.hpp>
 
 namespace grapeshot::detail {
 namespace {

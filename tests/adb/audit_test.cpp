@@ -12,7 +12,7 @@
 
 #include <grapeshot/adb/audit.hpp>
 #include <grapeshot/adb/detail/selected_count.hpp>
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
 #include <support/poses.hpp>
 #include <support/test_size.hpp>

@@ -8,7 +8,7 @@
 #include <grapeshot/adb/certificate.hpp>
 #include <grapeshot/adb/certification_poses.hpp>
 #include <grapeshot/adb/detail/fixed_sequence.hpp>
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
 #include <support/poses.hpp>
 #include <support/test_size.hpp>

@@ -8,7 +8,7 @@
 
 #include <grapeshot/adb/audit.hpp>
 #include <grapeshot/adb/certificate.hpp>
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <support/poses.hpp>
 
 namespace grapeshot::bench {

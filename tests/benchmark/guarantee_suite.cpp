@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include <grapeshot/adb/certificate.hpp>
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <support/poses.hpp>
 
 #include <report/machine.hpp>

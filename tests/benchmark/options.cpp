@@ -10,8 +10,8 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"anytime", "contacts", "decide",     "fit",   "guarantee",
-                                       "paper",   "scene",    "stochastic", "trees", "workloads"};
+constexpr std::string_view suites[] = {"anytime", "contacts",   "decide",   "fit",   "guarantee", "paper",
+                                       "scene",   "stochastic", "tracking", "trees", "workloads"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -111,15 +111,18 @@ std::string usage() {
   paper      the ADB-tree paper of 2003: error and time per distance, beside the published curves
   scene      Bullet scenes against GImpact
   stochastic the stochastic papers of 2004: collisions found after so many steps, beside the published table
+  tracking   deforming surfaces: contacts tracked by scf against boxes refitted in every frame; are its bounds true?
   trees      memory, building and refit of the trees against FCL's
   workloads  yes/no as decide does not ask it: unlike pairs, smooth paths, one pose again and again; the slowest of all
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, stochastic)
-  --scenario NAME...    only these scenarios (scene; workloads: work, unlike, coherent, hot); limits: which limits of
+  --scenario NAME...    only these scenarios (scene; tracking: bodies, self, bound; workloads: work,
+                        unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
                         (decide); fit: the choice of the free parameters (stochastic)
   --quick               a small sample: answers are checked, times are printed but not claimed
-  --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper)
+  --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper),
+                        frames of each bound (tracking)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
   --plots FOLDER        write the charts there (anytime, contacts, paper, stochastic)
   --repetitions N       of every timed measurement; episodes per scene (stochastic)

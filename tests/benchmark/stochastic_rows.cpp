@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 
 #include "stochastic_published.hpp"
 

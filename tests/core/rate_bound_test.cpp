@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
-#include <grapeshot/adb/detail/incomplete_beta.hpp>
-#include <grapeshot/adb/rate_bound.hpp>
+#include <grapeshot/core/detail/incomplete_beta.hpp>
+#include <grapeshot/core/rate_bound.hpp>
+
+#include <support/poses.hpp>
 
 namespace grapeshot::test {
 namespace {
@@ -84,6 +87,74 @@ TEST(RateBound, KnowsItsEnds) {
     EXPECT_EQ(upperRate(5, 5, 0.95), 1);
     EXPECT_EQ(lowerRate(0, 5, 0.95), 0);
     EXPECT_GT(lowerRate(5, 5, 0.95), 0.5);
+}
+
+TEST(CountBound, InvertsTheHypergeometricTail) {
+    // C(n, k) by Pascal's rule, exact in a double for these sizes.
+    const auto choose = [](std::uint64_t n, std::uint64_t k) {
+        std::vector<double> row(k + 1, 0);
+        row[0] = 1;
+        for (std::uint64_t i = 0; i < n; ++i) {
+            for (std::uint64_t j = k; j > 0; --j) {
+                row[j] += row[j - 1];
+            }
+        }
+        return row[k];
+    };
+    for (const std::uint64_t population : {1U, 2U, 9U, 30U, 50U}) {
+        for (std::uint64_t sample = 1; sample <= population; sample += 1 + population / 7) {
+            for (std::uint64_t hits = 0; hits <= sample; hits += 1 + sample / 5) {
+                const std::uint64_t upper = upperCount(hits, sample, population, 0.95);
+                const auto tail = [&](std::uint64_t total) {
+                    double sum = 0;
+                    for (std::uint64_t i = 0; i <= hits; ++i) {
+                        if (i <= total && sample - i <= population - total) {
+                            sum += choose(total, i) * choose(population - total, sample - i);
+                        }
+                    }
+                    return sum / choose(population, sample);
+                };
+                EXPECT_GT(tail(upper), 0.05) << hits << " of " << sample << " of " << population;
+                if (upper < population - (sample - hits)) {
+                    EXPECT_LE(tail(upper + 1), 0.05) << hits << " of " << sample << " of " << population;
+                }
+            }
+        }
+    }
+}
+
+TEST(CountBound, KnowsItsEnds) {
+    EXPECT_EQ(upperCount(0, 0, 0, 0.95), 0U);
+    EXPECT_EQ(upperCount(0, 0, 1000, 0.95), 1000U);
+    EXPECT_EQ(upperCount(7, 1000, 1000, 0.95), 7U);
+    EXPECT_EQ(upperCount(0, 1000, 1000, 0.95), 0U);
+    EXPECT_EQ(upperCount(5, 5, 30, 0.95), 30U);
+    // The rule of three, and what a binomial sample would say, which knows no population.
+    EXPECT_NEAR(static_cast<double>(upperCount(0, 1000, 1'000'000, 0.95)), 3000, 30);
+    EXPECT_NEAR(static_cast<double>(upperCount(10, 1000, 2'000'000, 0.95)), 2e6 * upperRate(10, 1000, 0.95), 200);
+}
+
+TEST(CountBound, HoldsForEverySizeOfTheTruth) {
+    // By the distribution itself: the probability of a sample whose bound is below the truth is at most 5 %.
+    constexpr std::uint64_t population = 40;
+    constexpr std::uint64_t sample = 12;
+    for (std::uint64_t truth = 0; truth <= population; ++truth) {
+        Random random(truth + 1);
+        int below = 0;
+        constexpr int draws = 4000;
+        for (int draw = 0; draw < draws; ++draw) {
+            std::uint64_t hits = 0;
+            std::uint64_t left = truth;
+            for (std::uint64_t i = 0; i < sample; ++i) {
+                if (random.unit() * static_cast<double>(population - i) < static_cast<double>(left)) {
+                    ++hits;
+                    --left;
+                }
+            }
+            below += upperCount(hits, sample, population, 0.95) < truth ? 1 : 0;
+        }
+        EXPECT_LE(below, 0.05 * draws + 4 * std::sqrt(0.05 * 0.95 * draws)) << truth;
+    }
 }
 
 }  // namespace

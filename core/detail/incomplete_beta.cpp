@@ -1,4 +1,4 @@
-#include <grapeshot/adb/detail/incomplete_beta.hpp>
+#include <grapeshot/core/detail/incomplete_beta.hpp>
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-// How large, and how small, may a rate be of which only a sample is known?
+// How large, and how small, may a rate or a count be of which only a sample is known?
 //
 // This work is based on:
 // Charles Clopper, Egon Pearson. The use of confidence or fiducial limits illustrated in the case of the binomial.
@@ -20,5 +20,12 @@ namespace grapeshot {
 /// The fewest trials of which none may hit for the upper bound to be at most `rate`, 0 < rate < 1:
 /// log(1 - confidence) / log(1 - rate), 299 for 1 % at 95 %.
 [[nodiscard]] std::uint64_t fewestTrials(double rate, double confidence);
+
+/// The most members of a population that may be hits, if `hits` of `sample` members drawn without replacement were: the
+/// largest count with which `hits` or fewer still happen with probability above 1 - confidence (the hypergeometric
+/// distribution, inverted as Clopper and Pearson do). Exact: `hits` if all were drawn; the population if none was.
+/// @param hits 0..sample; sample 0..population; population up to 2^31; confidence in (0, 1). Asserts them. Some 10 us.
+[[nodiscard]] std::uint64_t upperCount(std::uint64_t hits, std::uint64_t sample, std::uint64_t population,
+                                       double confidence);
 
 }  // namespace grapeshot

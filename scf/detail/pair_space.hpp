@@ -1,0 +1,110 @@
+// What is searched: two ball trees where they are, or one with itself; and how its parts are told apart.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <grapeshot/scf/detail/posed_tree.hpp>
+
+namespace grapeshot::detail {
+
+/// Two pieces, one of each tree.
+struct BallPair {
+    BallRef a = noBall;
+    BallRef b = noBall;
+    friend bool operator==(const BallPair&, const BallPair&) = default;
+};
+
+/// Pieces of both that may be near each other, lane 4 a + b.
+struct ChildPairs {
+    std::uint32_t mask = 0;
+    std::array<BallRef, 4> a{}, b{};
+    [[nodiscard]] BallPair at(unsigned lane) const { return {a[lane >> 2U], b[lane & 3U]}; }
+};
+
+struct PairSpace {
+    PosedTree* a = nullptr;
+    PosedTree* b = nullptr;  ///< the same as `a` for a body with itself
+    float reach = 0;         ///< m: pairs of triangles at most so far apart are contacts
+    float exclusion = -1;    ///< m, between centroids at rest; negative: nothing is left out (two bodies)
+
+    [[nodiscard]] bool isSelf() const { return a == b; }
+
+    /// A pair of pieces and its mirror image are one, and so are those of triangles.
+    [[nodiscard]] bool excludes(std::uint32_t triangleA, std::uint32_t triangleB) const {
+        if (!isSelf()) {
+            return false;
+        }
+        for (const std::uint32_t v : a->tree().surface.triangles[triangleA]) {
+            for (const std::uint32_t w : a->tree().surface.triangles[triangleB]) {
+                if (v == w) {
+                    return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    /// Sixteen balls against each other: one unit, two for a body with itself. Not both whole; leaves always are.
+    /// @param weight as overlappingBalls has it; null: not wanted. A piece with itself has weight 1
+    /// @param wholeA do not open this one, which is not the root
+    std::uint64_t expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA = false,
+                         bool wholeB = false) const;
+};
+
+/// The children of a piece, or the piece itself in place of them.
+struct OpenPiece {
+    FourBalls ownBall{}, ownRestBall{};
+    const FourBalls* balls = &ownBall;
+    const FourBalls* restBalls = &ownRestBall;
+    std::uint32_t count = 1;
+
+    OpenPiece(PosedTree& posed, BallRef ref, bool whole, bool isSelf, std::array<BallRef, 4>& child) {
+        const BallTree& tree = posed.tree();
+        if (!whole && !isBallLeaf(ref)) {
+            const BallNode& node = posed.node(ballIndex(ref));
+            balls = &posed.balls(ballIndex(ref));
+            restBalls = &tree.restBalls[ballIndex(ref)];
+            count = node.count;
+            child = {node.child[0], node.child[1], node.child[2], node.child[3]};
+            return;
+        }
+        child[0] = ref;
+        posed.putBall(ref, ownBall, 0);
+        if (isSelf) {
+            const PieceBall& own = tree.own(ref);
+            for (int axis = 0; axis < 3; ++axis) {
+                ownRestBall.center[axis][0] = tree.surface.rest[own.center][axis];
+            }
+            ownRestBall.radius[0] = own.restRadius;
+        }
+    }
+    OpenPiece(const OpenPiece&) = delete;
+    OpenPiece& operator=(const OpenPiece&) = delete;
+};
+
+inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA,
+                                       bool wholeB) const {
+    static constexpr std::uint32_t rows[4] = {0x000f, 0x00ff, 0x0fff, 0xffff};
+    static constexpr std::uint32_t columns[4] = {0x1111, 0x3333, 0x7777, 0xffff};
+    const OpenPiece pieceA(*a, pair.a, wholeA, isSelf(), out.a);
+    const OpenPiece pieceB(*b, pair.b, wholeB, isSelf(), out.b);
+    out.mask = rows[pieceA.count - 1] & columns[pieceB.count - 1];
+    out.mask &= weight != nullptr ? overlappingBalls(*pieceA.balls, *pieceB.balls, reach, *weight)
+                                  : touchingBalls(*pieceA.balls, *pieceB.balls, reach);
+    if (!isSelf()) {
+        return 1;
+    }
+    if (pair.a == pair.b) {
+        out.mask &= 0x8cefU;  // b >= a: each pair once, and each piece with itself
+        if (weight != nullptr) {
+            for (const int lane : {0, 5, 10, 15}) {
+                (*weight)[lane] = 1;
+            }
+        }
+    }
+    out.mask &= ~ballsWithin(*pieceA.restBalls, *pieceB.restBalls, exclusion);
+    return 2;
+}
+
+}  // namespace grapeshot::detail

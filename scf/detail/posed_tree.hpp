@@ -1,0 +1,70 @@
+// A ball tree where it is now: balls and leaves are made the first time that a step asks for them.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include <grapeshot/core/pose.hpp>
+#include <grapeshot/scf/ball_tree.hpp>
+#include <grapeshot/scf/detail/ball_kernels.hpp>
+
+namespace grapeshot::detail {
+
+/// Not for two threads. References hold until the next `begin`.
+class PosedTree {
+  public:
+    explicit PosedTree(const BallTree& tree);
+
+    /// A new step. The positions must stay where they are until the next one, as many as the tree has vertices.
+    /// @param stretch every edge is at most so many times as long as at rest; not above 0: balls are fitted to the
+    /// vertices instead, O(n)
+    void begin(std::span<const Eigen::Vector3f> positions, const Pose* pose, float stretch);
+
+    [[nodiscard]] const BallTree& tree() const { return *m_tree; }
+    [[nodiscard]] const BallNode& node(std::uint32_t index) const { return m_tree->nodes[index]; }
+    /// Of the children of a node.
+    [[nodiscard]] const FourBalls& balls(std::uint32_t node) {
+        if (m_nodeStamp[node] != m_step) {
+            makeBalls(node);
+        }
+        return m_balls[node];
+    }
+    /// Puts the ball of a piece by itself, not the root, into a slot.
+    void putBall(BallRef ref, FourBalls& balls, int slot);
+    [[nodiscard]] const PosedLeaf& leaf(std::uint32_t index);
+    [[nodiscard]] Eigen::Vector3f point(std::uint32_t vertex) const {
+        const Eigen::Vector3f& p = m_positions[vertex];
+        return m_isPosed ? moved(p) : p;
+    }
+    /// Are all positions finite that were read for balls and leaves in this step?
+    [[nodiscard]] bool isFinite() const { return m_finite; }
+
+  private:
+    [[nodiscard]] Eigen::Vector3f moved(const Eigen::Vector3f& p) const;
+    void makeBalls(std::uint32_t node);
+    void makeLeaf(std::uint32_t index, PosedLeaf& leaf);
+    [[nodiscard]] float radiusOf(BallRef child, std::uint32_t center, float restRadius);
+    [[nodiscard]] float radiusFromVertices(std::uint32_t leaf, const Eigen::Vector3f& center);
+    [[nodiscard]] float radiusFromChildren(std::uint32_t node, const Eigen::Vector3f& center);
+    void note(const Eigen::Vector3f& point) {
+        const float zero = (point[0] - point[0]) + (point[1] - point[1]) + (point[2] - point[2]);
+        m_finite = m_finite && zero == 0;
+    }
+
+    const BallTree* m_tree;
+    std::span<const Eigen::Vector3f> m_positions;
+    bool m_isPosed = false;
+    float m_rotation[9] = {}, m_translation[3] = {};
+    float m_stretch = 1;
+    float m_farthest = 0;  ///< coordinate of the translation, m
+    bool m_finite = true;
+    std::uint32_t m_step = 0;
+    std::vector<std::uint32_t> m_nodeStamp, m_leafStamp, m_leafSlot;
+    std::vector<FourBalls> m_balls;
+    std::deque<PosedLeaf> m_leaves;  ///< of this step, in the order in which they were asked for
+    std::size_t m_usedLeaves = 0;
+};
+
+}  // namespace grapeshot::detail

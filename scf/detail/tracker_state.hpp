@@ -1,0 +1,65 @@
+// What a tracker remembers, and what it works with.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <grapeshot/scf/detail/cells.hpp>
+#include <grapeshot/scf/detail/front.hpp>
+#include <grapeshot/scf/detail/key_map.hpp>
+#include <grapeshot/scf/detail/pair_search.hpp>
+#include <grapeshot/scf/detail/posed_tree.hpp>
+#include <grapeshot/scf/tracker.hpp>
+
+namespace grapeshot::detail {
+
+struct TrackedPair {
+    TrianglePair pair;
+    std::uint64_t birth = 0;  ///< step
+    friend bool operator==(const TrackedPair&, const TrackedPair&) = default;
+};
+
+/// All that is saved.
+struct TrackerMemory {
+    std::vector<TrackedPair> tracked;  ///< those that wait longest for a test first
+    std::uint64_t step = 0;
+    float testPrice = 32;  ///< units, mean of late, for a pair of cells in the sample for the bound
+};
+
+/// A pair of cells of the front.
+struct Candidate {
+    BallPair cells;
+    float weight = 0;
+    bool isReported = false;
+};
+
+/// Made anew in every step, or from the trees: a copy of the tracker need not have it.
+struct TrackerScratch {
+    TrackerScratch(const BallTree& treeA, const BallTree& treeB) : a(treeA) {
+        if (&treeA != &treeB) {
+            b.emplace(treeB);
+        }
+    }
+    PosedTree a;
+    std::optional<PosedTree> b;  ///< not of a body with itself
+    Cells spacingA, spacingB, frontA, frontB;
+    float spacing = -1;
+    std::uint32_t frontCells = 0;
+
+    PairSearch search;
+    PairBatch batch;
+    Front front;
+    KeyMap contacts;     ///< by key, to the index in the result
+    KeyMap nearPairs;    ///< likewise, of those that are followed
+    KeyMap tried;        ///< pairs of cells of the spacing's size that have a contact or were looked into
+    KeyMap candidateOf;  ///< pairs of cells of the front
+    KeyMap found;        ///< by key: by how many dives
+    std::vector<TrackedPair> kept, near;
+    std::vector<Candidate> candidates;
+    std::vector<double> cumulative;
+    std::vector<std::uint32_t> unknown;
+    std::vector<std::uint32_t> toWalk;
+};
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,135 @@
+// The shape of ball trees, and that their balls hold whatever stays within the stretch.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <grapeshot/scf/ball_tree.hpp>
+#include <grapeshot/scf/detail/posed_tree.hpp>
+#include <grapeshot/scf/stretch.hpp>
+
+#include <adb/meshes.hpp>
+#include <support/fault_of.hpp>
+#include <support/poses.hpp>
+
+namespace grapeshot::test {
+namespace {
+
+std::vector<NamedMesh> meshes() {
+    std::vector<NamedMesh> all = everyKind();
+    all.push_back({"one triangle", {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}});
+    all.push_back({"copies", copiesOfOne(50)});
+    all.push_back({"needles", needles(60)});
+    all.push_back({"two spheres", scenes::merged(scenes::sphere(1, 5), scenes::sphere(1, 5), {3, 0, 0})});
+    return all;
+}
+
+TEST(BallTree, IsSound) {
+    for (const NamedMesh& mesh : meshes()) {
+        SCOPED_TRACE(mesh.name);
+        EXPECT_THAT(findings(buildBallTree(mesh.mesh.view())), testing::IsEmpty());
+    }
+}
+
+TEST(BallTree, FindingsFindWhatIsBroken) {
+    const BallTree sound = buildBallTree(scenes::sphere(1, 8).view());
+    BallTree broken = sound;
+    broken.nodes[0].radius[1] *= 0.7F;
+    EXPECT_FALSE(findings(broken).empty());
+    broken = sound;
+    broken.restBalls[0].radius[0] *= 0.7F;
+    EXPECT_FALSE(findings(broken).empty());
+    broken = sound;
+    broken.leaves[0].triangle[0] = broken.leaves[1].triangle[0];
+    EXPECT_FALSE(findings(broken).empty());
+    broken = sound;
+    broken.nodes[0].child[0] = 0;
+    EXPECT_FALSE(findings(broken).empty());
+}
+
+TEST(BallTree, LeavesAreFullAndTheDepthIsLogarithmic) {
+    const BallTree tree = buildBallTree(scenes::bumpySphere(1, 0.2F, 7, 16).view());
+    const std::size_t triangles = tree.surface.triangles.size();
+    EXPECT_EQ(tree.leaves.size(), (triangles + 15) / 16);
+    EXPECT_LE(tree.nodes.size(), tree.leaves.size());
+}
+
+TEST(BallTree, IsTheSameAgain) {
+    const scenes::Mesh mesh = scenes::torusKnot(2, 3, 1, 0.4F, 0.15F, 60, 12);
+    const BallTree first = buildBallTree(mesh.view());
+    const BallTree second = buildBallTree(mesh.view());
+    ASSERT_EQ(first.nodes.size(), second.nodes.size());
+    for (std::size_t i = 0; i < first.nodes.size(); ++i) {
+        for (std::size_t slot = 0; slot < 4; ++slot) {
+            EXPECT_EQ(first.nodes[i].center[slot], second.nodes[i].center[slot]);
+            EXPECT_EQ(first.nodes[i].radius[slot], second.nodes[i].radius[slot]);
+            EXPECT_EQ(first.nodes[i].child[slot], second.nodes[i].child[slot]);
+        }
+    }
+}
+
+TEST(BallTree, RefusesWhatIsNoSurface) {
+    EXPECT_EQ(faultOf([] { (void)buildBallTree({}); }), Fault::emptyMesh);
+}
+
+/// Every corner below a slot is in its ball.
+void expectHolds(detail::PosedTree& posed, std::uint32_t node, std::vector<std::uint32_t>& below) {
+    const BallTree& tree = posed.tree();
+    const FourBalls balls = posed.balls(node);
+    for (std::uint32_t slot = 0; slot < tree.nodes[node].count; ++slot) {
+        std::vector<std::uint32_t> part;
+        const BallRef child = tree.nodes[node].child[slot];
+        if (isBallLeaf(child)) {
+            const auto vertices = tree.leafVertices.of(ballIndex(child));
+            part.assign(vertices.begin(), vertices.end());
+        } else {
+            expectHolds(posed, ballIndex(child), part);
+        }
+        const Eigen::Vector3f center(balls.center[0][slot], balls.center[1][slot], balls.center[2][slot]);
+        for (const std::uint32_t v : part) {
+            EXPECT_LE((posed.point(v) - center).norm(), balls.radius[slot]) << "node " << node << " vertex " << v;
+        }
+        below.insert(below.end(), part.begin(), part.end());
+    }
+}
+
+TEST(PosedTree, HoldsEverythingWithinTheStretch) {
+    Random random(17);
+    for (const NamedMesh& mesh : meshes()) {
+        SCOPED_TRACE(mesh.name);
+        const BallTree tree = buildBallTree(mesh.mesh.view());
+        std::vector<Eigen::Vector3f> moved = tree.surface.rest;
+        const Eigen::Vector3f axis = random.direction();
+        for (Eigen::Vector3f& vertex : moved) {
+            vertex +=
+                0.2F * std::sin(3 * axis.dot(vertex)) * random.direction().cwiseAbs() + 0.003F * random.direction();
+        }
+        const float stretch = measureStretch(tree.surface, moved);
+        detail::PosedTree posed(tree);
+        const Pose pose{random.rotation(), 5 * random.direction()};
+        std::vector<std::uint32_t> all;
+        for (const Pose* where : {static_cast<const Pose*>(nullptr), &pose}) {
+            for (const float bound : {stretch, 0.0F}) {
+                if (std::isfinite(bound)) {
+                    posed.begin(moved, where, bound);
+                    expectHolds(posed, 0, all);
+                    EXPECT_TRUE(posed.isFinite());
+                }
+            }
+        }
+    }
+}
+
+TEST(PosedTree, FittedBallsAreTighter) {
+    const BallTree tree = buildBallTree(scenes::bumpySphere(1, 0.2F, 7, 12).view());
+    detail::PosedTree posed(tree);
+    posed.begin(tree.surface.rest, nullptr, 1.5F);
+    const float wide = posed.balls(0).radius[0];
+    posed.begin(tree.surface.rest, nullptr, 0);
+    EXPECT_LT(posed.balls(0).radius[0], wide);
+    posed.begin(tree.surface.rest, nullptr, 1.5F);
+    EXPECT_EQ(posed.balls(0).radius[0], wide);
+}
+
+}  // namespace
+}  // namespace grapeshot::test
