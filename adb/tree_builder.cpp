@@ -1,11 +1,12 @@
+#include <grapeshot/adb/tree_builder.hpp>
+
 #include <grapeshot/adb/detail/binary_tree.hpp>
 #include <grapeshot/adb/detail/wide_tree.hpp>
-#include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/error.hpp>
 
 namespace grapeshot {
 
-Tree build(MeshView mesh, const BuildSettings& settings) {
+Sliced buildInSlices(MeshView mesh, BuildSettings settings, Tree& tree) {
     if (settings.maxLeafTriangles < 1 || settings.maxLeafTriangles > 4) {
         throw Error(Fault::badSetting, std::to_string(settings.maxLeafTriangles) + " is not in 1..4",
                     "BuildSettings::maxLeafTriangles");
@@ -13,8 +14,16 @@ Tree build(MeshView mesh, const BuildSettings& settings) {
     if (settings.bins < 4 || settings.bins > 64) {
         throw Error(Fault::badSetting, std::to_string(settings.bins) + " is not in 4..64", "BuildSettings::bins");
     }
-    Tree tree = detail::treeWithoutNodes(mesh);
-    detail::addNodes(detail::sortInTwos(tree, settings), tree);
+    tree = Tree();
+    co_await detail::copyMeshInSlices(mesh, tree);
+    detail::BinaryTree binary;
+    co_await detail::sortInTwosInSlices(tree, settings, binary);
+    co_await detail::addNodesInSlices(binary, tree);
+}
+
+Tree build(MeshView mesh, const BuildSettings& settings) {
+    Tree tree;
+    buildInSlices(mesh, settings, tree).run();
     return tree;
 }
 
