@@ -99,6 +99,11 @@ void Frame::payDispatch(std::uint64_t work, std::uint64_t mandatory) {
     }
 }
 
+void Frame::payBuilding(std::uint64_t work, std::uint64_t mandatory) {
+    m_spent += work;
+    m_mandatory += mandatory;
+}
+
 void Frame::payLatecomer(std::uint64_t work, std::uint64_t mandatory) {
     m_spent += work;
     m_mandatory += mandatory;

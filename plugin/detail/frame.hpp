@@ -11,6 +11,9 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
+/// Work units of a dispatch that go into trees, if there are some to be built, whatever the budget.
+inline constexpr std::uint64_t buildingSlice = 64;
+
 /// Nothing of Bullet in it: pair caches are mere names.
 ///
 /// When a frame begins: with `begin`, or by itself with each dispatch of the main cache. That is the first cache that
@@ -34,6 +37,8 @@ class Frame {
 
     void payDispatch(std::uint64_t work, std::uint64_t mandatory);
     void payLatecomer(std::uint64_t work, std::uint64_t mandatory);
+    /// For trees that are being built, and what stands in for them.
+    void payBuilding(std::uint64_t work, std::uint64_t mandatory);
 
     [[nodiscard]] bool isLimited() const { return m_budget.work != unlimited || m_budget.time != never; }
     [[nodiscard]] const Budget& budget() const { return m_budget; }

@@ -85,14 +85,7 @@ void PairProcessor::compute(const Budget& budget) noexcept {
         m_share.mandatory = std::min(mandatory(), budget.work);
     }
     try {
-        PairResult result = m_contacts.step(ahead.shapes, ahead.task);
-        if (ahead.attempted) {
-            result.work += sum.work;
-            result.candidates += sum.candidates;
-            result.traversed = result.traversed || sum.traversed;
-            result.collides = result.collides || sum.collides;
-        }
-        sum = result;
+        addResult(m_contacts.step(ahead.shapes, ahead.task));
     } catch (...) {
         ahead.failed = true;  // the contacts of the last step stay
         sum.stop = StopReason::budget;

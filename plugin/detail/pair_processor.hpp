@@ -79,6 +79,9 @@ class PairProcessor {
     [[nodiscard]] btScalar breakingThreshold(const Bodies& bodies) const;
     [[nodiscard]] bool takeAhead(const Bodies& bodies, PairShapes& shapes);
     void processNow(const Bodies& bodies, const btDispatcherInfo& info, btManifoldResult& result);
+    void addResult(PairResult more);
+    void goOnBuilding();
+    [[nodiscard]] bool standsIn() const;  ///< for a shape whose tree is being built
     void look(const Bodies& bodies);
     void computeNow(const PairShapes& shapes, const PairTask& task);
     void write(const Bodies& bodies, const PairShapes& shapes, btManifoldResult& result);

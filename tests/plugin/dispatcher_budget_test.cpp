@@ -152,6 +152,7 @@ float weightOfHeavy(const btCollisionObject& first, const btCollisionObject& sec
 
 TEST(FrameBudget, TheProgramsWeightCounts) {
     const MeshShape ball(scenes::bumpySphere(0.5F, 0.1F, 7, 24), Kind::mesh);
+    ASSERT_EQ(prebuild(ball.get()), Status::ok);
     std::array<std::uint64_t, 2> slices{};
     for (const bool weighted : {false, true}) {
         Settings settings;
