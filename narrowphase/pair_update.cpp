@@ -32,19 +32,13 @@ bool isUsable(const PairSettings& settings) {
            std::isfinite(settings.set.regions.normalCone) && isLength(settings.local.lean);
 }
 
-/// The least signed distance, m; 0 if there is none below it.
-float deepestOf(std::span<const TriangleContact> overlapping) {
+/// Half a cut tells the wrong direction, along which bodies are deep in each other: such a contact pushes no more than
+/// what parts the deepest two triangles.
+void restrain(std::span<const TriangleContact> overlapping, std::span<SurfaceContact> deep) {
     float least = 0;
     for (const TriangleContact& pair : overlapping) {
         least = std::min(least, pair.signedDistance);
     }
-    return least;
-}
-
-/// Half a cut tells the wrong direction, along which bodies are deep in each other: such a contact pushes no more than
-/// what parts the deepest two triangles.
-void restrain(std::span<const TriangleContact> overlapping, std::span<SurfaceContact> deep) {
-    const float least = deepestOf(overlapping);
     for (SurfaceContact& contact : deep) {
         contact.signedDistance = std::max(contact.signedDistance, least);
         contact.onA = contact.onB + contact.normal * contact.signedDistance;
@@ -150,10 +144,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     findContacts(a, b, bInA, settings, complete, result, s);
     if (!complete && reserve > 0) {
         const std::size_t before = s.found.size();
-        // As deep as triangles were seen in each other; where none were, they must not lift what merely lies there.
-        const float mostDepth =
-            std::clamp(-deepestOf(s.search.local.overlapping()), settings.maxDistance / 4, settings.maxDistance);
-        purse.pay(standInContacts(a, b, bInA, settings.set.regions, mostDepth, reserve, s.found));
+        purse.pay(standInContacts(a, b, bInA, settings.set.regions, settings.maxDistance / 4, reserve, s.found));
         result.collides = result.collides || s.found.size() > before;
     }
     merge(state.contacts, s.found, bInA, complete, settings.set);

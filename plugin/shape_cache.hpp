@@ -21,9 +21,9 @@ void notifyChanged(const btCollisionShape* shape) noexcept;
 ///
 /// Without it: where a Dispatcher's budget is limited, trees are built in slices, about 12 work units per triangle out
 /// of a quarter of each frame's budget and what the pairs leave of it, while a pair with the shape is there; 64 units a
-/// frame whatever the budget. Until then 256 of its triangles, each as wide as its share of the surface, stand in for
-/// it (about 4,000 units, once, beyond the budget if need be; up to 512 triangles: the tree itself); for an edited
-/// shape, what it was before. Such pairs count as degraded. Everywhere else, at once.
+/// frame whatever the budget. Until then 256 of its triangles, each three times as wide as its share of the surface,
+/// stand in for it (about 4,000 units, once, beyond the budget if need be; up to 512 triangles: the tree itself); for
+/// an edited shape, what it was before. Such pairs count as degraded. Everywhere else, at once.
 Status prebuild(const btCollisionShape* shape) noexcept;
 
 /// Trees of all shapes of the process are kept in this folder too from now on, and read from it, which takes a tenth of

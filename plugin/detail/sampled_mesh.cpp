@@ -38,13 +38,18 @@ ShapeMesh sampledMesh(std::span<const PartSource> sources) {
     }
     const std::size_t stride = std::max<std::size_t>(1, count / sampledShapeTriangles);
     std::vector<Corners> sampled;
-    std::size_t next = stride / 2;
     std::size_t first = 0;
+    std::size_t next = 0;  // the stratum
     for (const PartSource& source : sources) {
         const auto size = static_cast<std::size_t>(source.triangles);
-        for (; next < first + size && sampled.size() < sampledShapeTriangles; next += stride) {
+        for (; sampled.size() < sampledShapeTriangles; ++next) {
+            // Not at the same place in each: the rows of a grid may be as long as the stride.
+            const std::size_t index = next * stride + next * 0x9e3779b1U % stride;
+            if (index >= first + size) {
+                break;
+            }
             Corners corners;
-            if (readCorners(source, static_cast<int>(next - first), corners)) {
+            if (index >= first && readCorners(source, static_cast<int>(index - first), corners)) {
                 sampled.push_back(corners);
             }
         }
@@ -62,7 +67,8 @@ ShapeMesh sampledMesh(std::span<const PartSource> sources) {
             upper = upper.cwiseMax(corner);
         }
     }
-    const float widening = std::sqrt(static_cast<float>(count) / static_cast<float>(sampled.size()));
+    // Three times as wide as their share: scattered as they are, they would leave a third of the surface open.
+    const float widening = 3 * std::sqrt(static_cast<float>(count) / static_cast<float>(sampled.size()));
     for (const Corners& corners : sampled) {
         const Eigen::Vector3f centre = corners[0] / 3 + corners[1] / 3 + corners[2] / 3;
         const auto base = static_cast<std::uint32_t>(mesh.vertices.size());

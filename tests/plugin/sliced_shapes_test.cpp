@@ -39,12 +39,22 @@ TEST(SlicedShapes, AFloorThatAppearsHoldsABodyAtOnce) {
     const MeshShape floor(scenes::grid(4, 4, 160, 161), Kind::bvh, 0.02_s);
     ASSERT_GT(floor.mesh.triangles.size(), 50000U);
     BudgetWorld world(budgeted());
-    btRigidBody& body = world.add(*ball, at({0.3_s, 0.6_s, 0.2_s}), 1);
-    body.setActivationState(DISABLE_DEACTIVATION);
+    constexpr int count = 6;
+    for (int i = 0; i < count; ++i) {
+        const btScalar x = 1.3_s * btScalar(i % 3) - 1.4_s;
+        world.add(*ball, at({x, 0.6_s, 1.5_s * btScalar(i / 3) - 0.7_s}), 1).setActivationState(DISABLE_DEACTIVATION);
+    }
+    const auto lowest = [&] {
+        btScalar y = BT_LARGE_FLOAT;
+        for (std::size_t i = 0; i < count; ++i) {
+            y = btMin(y, world.bodies[i]->getWorldTransform().getOrigin().y());
+        }
+        return y;
+    };
     world.step(2);
     world.add(*floor, at({0, 0, 0}));
     world.step();
-    ASSERT_EQ(world.stats().degraded, 1) << "a stand-in";
+    ASSERT_EQ(world.stats().degraded, count) << "a stand-in";
     EXPECT_FALSE(world.stats().pairs.front().certain);
     EXPECT_GT(world.stats().mandatory, 1000U) << "the stand-in is paid for";
     EXPECT_LT(world.stats().mandatory, 12000U) << "and bounded, whatever the mesh";
@@ -52,9 +62,9 @@ TEST(SlicedShapes, AFloorThatAppearsHoldsABodyAtOnce) {
     const int frames = stepsUntilBuilt(world, 2 * static_cast<int>(wanted / (budget / 4)));
     EXPECT_GT(frames, static_cast<int>(floor.mesh.triangles.size() / budget)) << "it was not built at once";
     EXPECT_LT(frames, static_cast<int>(wanted / (budget / 4)));
-    EXPECT_GT(body.getWorldTransform().getOrigin().y(), 0.45) << "held all the while";
+    EXPECT_GT(lowest(), 0.45) << "held all the while";
     world.step(30);
-    EXPECT_NEAR(body.getWorldTransform().getOrigin().y(), 0.54, 0.02);
+    EXPECT_NEAR(lowest(), 0.54, 0.02);
     EXPECT_EQ(world.stats().degraded, 0);
     for (const btManifoldPoint& point : world.points()) {
         EXPECT_GE(std::max(point.m_index0, point.m_index1), 0) << "contacts have triangles again";
@@ -199,7 +209,7 @@ TEST(SlicedShapes, ASampleCoversTheSurfaceWithinItsBox) {
             EXPECT_GT(sample.vertices[corner].norm(), 0.9F);
         }
     }
-    EXPECT_NEAR(area, 4 * 3.14159, 2.5);
+    EXPECT_GT(area, 2 * 4 * 3.14159) << "they overlap";
     source.triangles = 0;
     EXPECT_TRUE(detail::sampledMesh({&source, 1}).triangles.empty());
 }
