@@ -44,6 +44,7 @@ class Frame {
     [[nodiscard]] const Budget& budget() const { return m_budget; }
     [[nodiscard]] std::uint64_t spent() const { return m_spent; }
     [[nodiscard]] std::uint64_t mandatory() const { return m_mandatory; }
+    [[nodiscard]] std::uint64_t building() const { return m_building; }  ///< of what was spent
     [[nodiscard]] int dispatches() const { return m_dispatches; }
     /// Until the frame's time is up; `never` without a limit of time.
     [[nodiscard]] std::chrono::nanoseconds timeLeft() const;
@@ -62,6 +63,7 @@ class Frame {
     std::uint64_t m_number = 0;
     std::uint64_t m_spent = 0;
     std::uint64_t m_mandatory = 0;
+    std::uint64_t m_building = 0;
     int m_dispatches = 0;      // in this frame
     int m_mainDispatches = 0;  // of these, of the main cache
     int m_expected = 1;        // main dispatches of the frame

@@ -23,6 +23,10 @@ bool sameNumber(btScalar x, btScalar y) {
     return std::bit_cast<Bits>(x) == std::bit_cast<Bits>(y);
 }
 
+/// Work units that a pair may want while a sample stands in for one of its meshes: the rest had better go into the
+/// tree.
+constexpr std::uint64_t standInSlice = 96;
+
 bool samePose(const btTransform& x, const btTransform& y) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
@@ -131,7 +135,7 @@ bool PairProcessor::isSolid() const {
 }
 
 bool PairProcessor::wasCutShort() const {
-    return m_share.result.stop == StopReason::budget && !m_ahead->failed;
+    return m_share.result.stop == StopReason::budget && !m_ahead->failed && !standsIn();
 }
 
 std::uint64_t PairProcessor::key() const {
@@ -147,6 +151,9 @@ std::uint64_t PairProcessor::mandatory() const {
 }
 
 std::uint64_t PairProcessor::wanted() const {
+    if (standsIn()) {
+        return standInSlice;
+    }
     return m_cutShort ? unlimited : m_lastNeed + m_lastNeed / 4;
 }
 
