@@ -221,7 +221,9 @@ void PairProcessor::goOnBuilding() {
         return;
     }
     for (const std::shared_ptr<ShapeEntry>& entry : std::exchange(m_context->building, {})) {
-        const std::uint64_t work = entry->goOnBuilding(frame->latecomerSlice(buildingSlice));
+        Budget slice = frame->latecomerSlice(buildingSlice);
+        slice.work = std::max(buildingSlice, slice.work / 2);  // the pair wants some too
+        const std::uint64_t work = entry->goOnBuilding(slice);
         frame->payBuilding(work, std::min(work, buildingSlice));
     }
 }
