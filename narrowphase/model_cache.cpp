@@ -9,8 +9,11 @@
 #include <map>
 #include <mutex>
 
+#include <grapeshot/adb/tree_builder.hpp>
 #include <grapeshot/adb/tree_file.hpp>
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/core/mesh_slices.hpp>
+#include <grapeshot/narrowphase/model_builder.hpp>
 
 namespace grapeshot {
 namespace {
@@ -36,8 +39,8 @@ struct ModelCache::State {
     State(std::size_t idleModels, std::filesystem::path where) : idle(idleModels), folder(std::move(where)) {}
 
     const std::size_t idle;
-    const std::filesystem::path folder;  // empty: none
     mutable std::mutex mutex;
+    std::filesystem::path folder;  // empty: none
     std::map<CacheKey, std::weak_ptr<const MeshModel>> models;
     std::map<CacheKey, std::shared_future<Model>> building;
     std::list<Model> recent;  // latest first, at most `idle`
@@ -64,30 +67,64 @@ struct ModelCache::State {
         return model;
     }
 
-    Tree treeOf(MeshView mesh, const BuildSettings& settings) {
-        if (folder.empty()) {
-            return build(mesh, settings);
-        }
-        const std::filesystem::path file = folder / fileName(contentKey(mesh), settings);
+    /// Where the tree of this content belongs; empty: nowhere.
+    std::filesystem::path fileOf(const ContentKey& content, const BuildSettings& settings) {
+        const std::lock_guard lock(mutex);
+        return folder.empty() ? folder : folder / fileName(content, settings);
+    }
+
+    /// False if there is no good file.
+    bool load(const std::filesystem::path& file, MeshView mesh, const BuildSettings& settings, Tree& tree) {
         std::error_code ignored;
-        if (std::filesystem::exists(file, ignored)) {
-            try {
-                Tree tree = loadTree(file, mesh, settings);
-                const std::lock_guard lock(mutex);
-                ++loads;
-                return tree;
-            } catch (const Error& error) {
-                warn(error.what());
-            }
+        if (file.empty() || !std::filesystem::exists(file, ignored)) {
+            return false;
         }
-        Tree tree = build(mesh, settings);
         try {
-            std::filesystem::create_directories(folder, ignored);
+            tree = loadTree(file, mesh, settings);
+            const std::lock_guard lock(mutex);
+            ++loads;
+            return true;
+        } catch (const Error& error) {
+            warn(error.what());
+            return false;
+        }
+    }
+
+    void save(const Tree& tree, const BuildSettings& settings, const std::filesystem::path& file) {
+        if (file.empty()) {
+            return;
+        }
+        try {
+            std::error_code ignored;
+            std::filesystem::create_directories(file.parent_path(), ignored);
             saveTree(tree, settings, file);
         } catch (const Error& error) {
             warn(error.what());
         }
+    }
+
+    Tree treeOf(MeshView mesh, const BuildSettings& settings) {
+        const std::filesystem::path file = fileOf(contentKey(mesh), settings);
+        Tree tree;
+        if (!load(file, mesh, settings, tree)) {
+            tree = build(mesh, settings);
+            save(tree, settings, file);
+        }
         return tree;
+    }
+
+    /// Of this key, if it is there.
+    Model find(const CacheKey& key) {
+        const std::lock_guard lock(mutex);
+        const auto found = models.find(key);
+        return found != models.end() ? found->second.lock() : nullptr;
+    }
+
+    /// Under the lock.
+    void publish(const CacheKey& key, const Model& model, std::list<Model>& leaving) {
+        std::erase_if(models, [](const auto& entry) { return entry.second.expired(); });
+        models[key] = model;
+        touch(model, leaving);
     }
 
     void warn(const std::string& what) {
@@ -137,9 +174,7 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
         {
             const std::lock_guard lock(state.mutex);
             state.building.erase(key);
-            std::erase_if(state.models, [](const auto& entry) { return entry.second.expired(); });
-            state.models[key] = model;
-            state.touch(model, leaving);
+            state.publish(key, model, leaving);
         }
         promise.set_value(model);
         return model;
@@ -151,6 +186,48 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
         promise.set_exception(std::current_exception());
         throw;
     }
+}
+
+Sliced ModelCache::getInSlices(MeshView mesh, BuildSettings settings, std::shared_ptr<const MeshModel>& model) {
+    State& state = *m_state;
+    ContentKey content;
+    co_await contentKeyInSlices(mesh, content);
+    const CacheKey key{content.low, content.high, settings.maxLeafTriangles, settings.bins, settings.tuningPoses};
+    bool isOther = false;  // equal hashes, other mesh: its model is not shared
+    if (const Model known = state.find(key)) {
+        bool same = false;
+        co_await sameContentInSlices(known->tree.mesh(), mesh, same);
+        isOther = !same;
+        if (same) {
+            std::list<Model> leaving;
+            const std::lock_guard lock(state.mutex);
+            ++state.hits;
+            state.touch(known, leaving);
+            model = known;
+            co_return;
+        }
+    }
+    auto built = std::make_shared<MeshModel>();
+    const std::filesystem::path file = state.fileOf(content, settings);
+    co_yield 1;
+    if (!state.load(file, mesh, settings, built->tree)) {
+        co_await buildInSlices(mesh, settings, built->tree);
+        co_yield 1;
+        state.save(built->tree, settings, file);
+    }
+    co_await makeModelInSlices(*built);
+    std::list<Model> leaving;
+    const std::lock_guard lock(state.mutex);
+    ++state.builds;
+    if (!isOther) {
+        state.publish(key, built, leaving);
+    }
+    model = std::move(built);
+}
+
+void ModelCache::setFolder(std::filesystem::path folder) {
+    const std::lock_guard lock(m_state->mutex);
+    m_state->folder = std::move(folder);
 }
 
 ModelCache::Counts ModelCache::counts() const {

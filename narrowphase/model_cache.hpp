@@ -8,6 +8,7 @@
 #include <string>
 
 #include <grapeshot/core/content_key.hpp>
+#include <grapeshot/core/sliced.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 
 namespace grapeshot {
@@ -25,6 +26,13 @@ class ModelCache {
     /// The model of this content, built now if need be. Content is compared, not only hashed.
     /// @throws Error as `build` does; the cache is unchanged then.
     std::shared_ptr<const MeshModel> get(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0});
+
+    /// The same in slices; `model` is set when it is done. What two of them want at once is built twice, and shared
+    /// afterwards. Reading and writing a file is one piece, which counts as one unit.
+    Sliced getInSlices(MeshView mesh, BuildSettings settings, std::shared_ptr<const MeshModel>& model);
+
+    /// From now on trees are kept there. Empty: nowhere.
+    void setFolder(std::filesystem::path folder);
 
     struct Counts {
         std::uint64_t hits = 0, builds = 0;

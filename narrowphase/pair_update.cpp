@@ -144,7 +144,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     findContacts(a, b, bInA, settings, complete, result, s);
     if (!complete && reserve > 0) {
         const std::size_t before = s.found.size();
-        purse.pay(standInContact(a, b, bInA, settings.set.regions, settings.maxDistance / 4, reserve, s.found));
+        purse.pay(standInContacts(a, b, bInA, settings.set.regions, settings.maxDistance / 4, reserve, s.found));
         result.collides = result.collides || s.found.size() > before;
     }
     merge(state.contacts, s.found, bInA, complete, settings.set);

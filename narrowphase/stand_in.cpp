@@ -5,21 +5,32 @@
 #include <grapeshot/narrowphase/contact_estimate.hpp>
 
 namespace grapeshot {
+namespace {
 
-std::uint64_t standInContact(const MeshModel& a, const MeshModel& b, const Pose& bInA, const RegionSettings& regions,
-                             float mostDepth, std::uint64_t work, std::vector<SurfaceContact>& out) {
+constexpr std::size_t mostStandIns = 4;
+
+}  // namespace
+
+std::uint64_t standInContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, const RegionSettings& regions,
+                              float mostDepth, std::uint64_t work, std::vector<SurfaceContact>& out) {
     thread_local ContactEstimate estimate;
     ContactEstimateSettings settings;
     settings.regions.spacing = regions.spacing;
     settings.interior = Interior::surface;
     ContactEstimator(a, b).find(bInA, settings, {.work = work}, estimate);
-    const auto best =
-        std::max_element(estimate.regions.begin(), estimate.regions.end(),
-                         [](const auto& left, const auto& right) { return left.probability < right.probability; });
-    if (best != estimate.regions.end() && estimate.probability >= (work < standInWork ? 0.9F : 0.5F)) {
-        const float depth = std::clamp(best->depth / 2, 0.0F, mostDepth);
-        out.push_back({best->position - 0.5F * depth * best->normal, best->position + 0.5F * depth * best->normal,
-                       best->normal, -depth, noTriangle, noTriangle});
+    if (estimate.probability < (work < standInWork ? 0.9F : 0.5F)) {
+        return estimate.work;
+    }
+    std::ranges::stable_sort(estimate.regions, std::ranges::greater(), &CrossingRegion::probability);
+    std::size_t count = 0;
+    for (const CrossingRegion& region : estimate.regions) {
+        if (count == mostStandIns || (count > 0 && region.probability < 0.5F)) {
+            break;
+        }
+        ++count;
+        const float depth = std::clamp(region.depth / 2, 0.0F, mostDepth);
+        out.push_back({region.position - 0.5F * depth * region.normal, region.position + 0.5F * depth * region.normal,
+                       region.normal, -depth, noTriangle, noTriangle});
     }
     return estimate.work;
 }

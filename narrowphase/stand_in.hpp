@@ -1,4 +1,4 @@
-// A contact for a pair whose search was cut short before it knew what holds the bodies apart: where the trees say that
+// Contacts for a pair whose search was cut short before it knew what holds the bodies apart: where the trees say that
 // the surfaces cross and most likely push. So a body that lands on another is held from the first step, whatever the
 // budget.
 #pragma once
@@ -16,11 +16,11 @@ namespace grapeshot {
 /// Work units that it takes. With fewer, surfaces that are merely near may seem to cross: then it has to be surer.
 inline constexpr std::uint64_t standInWork = 8;
 
-/// Appends one contact (A's frame, without triangles: `noTriangle`) if the surfaces more likely cross than not. Its
-/// normal is good to some ten degrees; its depth is told too large by coarse pieces, so it is held within `mostDepth`,
-/// m. Returns the work.
-std::uint64_t standInContact(const MeshModel& a, const MeshModel& b, const Pose& bInA, const RegionSettings& regions,
-                             float mostDepth, std::uint64_t work, std::vector<SurfaceContact>& out);
+/// Appends up to four contacts (A's frame, without triangles: `noTriangle`) if the surfaces more likely cross than not:
+/// one of each region that is likelier than not, the likeliest in any case. Their normals are good to some ten degrees;
+/// depths are told too large by coarse pieces, so they are held within `mostDepth`, m. Returns the work.
+std::uint64_t standInContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, const RegionSettings& regions,
+                              float mostDepth, std::uint64_t work, std::vector<SurfaceContact>& out);
 
 /// Takes such contacts out again.
 void dropStandIns(ContactSet& set);

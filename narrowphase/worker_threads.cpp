@@ -6,8 +6,21 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace grapeshot {
+namespace {
+
+/// This thread's, as long as it asks for the same number of threads.
+tbb::task_arena& arenaOf(int threads) {
+    thread_local std::unique_ptr<tbb::task_arena> arena;
+    if (arena == nullptr || arena->max_concurrency() != threads) {
+        arena = std::make_unique<tbb::task_arena>(threads);
+    }
+    return *arena;
+}
+
+}  // namespace
 
 void forEach(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
     if (threads <= 1 || count <= 1) {
@@ -17,10 +30,10 @@ void forEach(std::size_t count, int threads, const std::function<void(std::size_
         return;
     }
     using Context = tbb::task_group_context;
+    // The rounding of this thread: not that of when its arena was made.
+    Context context(Context::isolated, Context::default_traits | Context::fp_settings);
     // Beyond it there is nothing to gain, and oneTBB says so on stderr.
-    const int useful = std::min(threads, tbb::info::default_concurrency());
-    tbb::task_arena(useful).execute([&] {
-        Context context(Context::isolated, Context::default_traits | Context::fp_settings);  // those of this thread
+    arenaOf(std::min(threads, tbb::info::default_concurrency())).execute([&] {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, count, 1),
             [&work](const tbb::blocked_range<std::size_t>& range) {

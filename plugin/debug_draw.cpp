@@ -63,7 +63,7 @@ class Drawing {
             if (const auto* ours = dynamic_cast<const AdbCollisionAlgorithm*>(pair.m_algorithm)) {
                 if (ours->processor() != nullptr && ours->processor()->isOf(m_context)) {
                     const PairResult& last = ours->processor()->share().result;
-                    sureness = surenessOf(last.certain, last.stop);
+                    sureness = surenessOf(last.certain && !ours->processor()->standsIn(), last.stop);
                 }
             } else if (const auto known =
                            children.find(std::minmax(pair.m_pProxy0->getUid(), pair.m_pProxy1->getUid()));

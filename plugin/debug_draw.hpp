@@ -21,14 +21,16 @@ struct DebugDrawOptions {
     bool contacts = true;
     btVector3 treeColor{0.3F, 0.5F, 1};
     btVector3 certainColor{0, 1, 0};  ///< pairs in which nothing was left out in their last step, and their contacts
-    btVector3 estimatedColor{1, 0.6F, 0};  ///< pairs that were cut short: kept, partial or estimated contacts
+    btVector3 estimatedColor{1, 0.6F, 0};  ///< pairs that were cut short, or a mesh of which waits for its tree: kept,
+                                           ///< partial or estimated contacts
     btVector3 refusedColor{1, 0, 0};       ///< pairs without an answer
 };
 
 /// Draws what is ours in a world, between steps, as the drawer's mode asks: with DBG_DrawAabb the boxes of trees (of
-/// meshes that have one already) where their bodies are; with DBG_DrawContactPoints a line between the two bodies of
-/// each pair, and its contacts (drawContactPoint). Builds nothing and changes nothing. Pairs within compounds that were
-/// not processed in the last step, because both bodies sleep, are left out.
+/// meshes that have one already; of the sample that stands in for a tree being built) where their bodies are; with
+/// DBG_DrawContactPoints a line between the two bodies of each pair, and its contacts (drawContactPoint). Builds
+/// nothing and changes nothing. Pairs within compounds that were not processed in the last step, because both bodies
+/// sleep, are left out.
 /// @return nullPointer; badArgument: the world's dispatcher is no btCollisionDispatcher; notRegistered
 Status debugDraw(btCollisionWorld* world, btIDebugDraw* drawer, const DebugDrawOptions& options = {}) noexcept;
 

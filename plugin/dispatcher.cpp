@@ -67,10 +67,12 @@ DispatchPhases::DispatchPhases(btCollisionDispatcher& dispatcher, btOverlappingP
             return;
         }
         m_context->framed = true;
+        ++m_context->dispatches;
         if (m_context->frame.enterDispatch(cache, m_context->settings.frameBudget)) {
             m_context->beginStep();
         }
         m_nested = std::exchange(m_context->dispatching, true);
+        m_context->building.clear();
         if (info.m_dispatchFunc == btDispatcherInfo::DISPATCH_DISCRETE) {
             std::vector<PairProcessor*> pairs;
             {
@@ -79,7 +81,7 @@ DispatchPhases::DispatchPhases(btCollisionDispatcher& dispatcher, btOverlappingP
             }
             {
                 BT_PROFILE("grapeshot.compute");
-                computeFrame(pairs, m_context->frame, m_context->settings);
+                computeFrame(pairs, std::exchange(m_context->building, {}), m_context->frame, m_context->settings);
             }
         }
         m_context->reportFrame();

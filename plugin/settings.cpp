@@ -47,6 +47,8 @@ std::string_view name(Status status) noexcept {
             return "the bytes are no saved state";
         case Status::otherWorld:
             return "the state is of another world";
+        case Status::stillBuilding:
+            return "the tree of a mesh is still being built";
     }
     return "unknown";
 }

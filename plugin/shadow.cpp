@@ -130,11 +130,14 @@ struct Shadow::State {
                 status != Status::ok) {
                 return status;
             }
+            Contexts::instance().find(&theirs->dispatcher())->beside = true;
         }
         if (const Status status = registerAlgorithms(&ours->dispatcher(), settings); status != Status::ok) {
             return status;
         }
-        Contexts::instance().find(&ours->dispatcher())->framed = true;  // `observe` says when a step begins
+        const std::shared_ptr<detail::Context> own = Contexts::instance().find(&ours->dispatcher());
+        own->framed = true;  // `observe` says when a step begins
+        own->beside = true;
         original = &dispatcher;
         tables = std::move(now);
         settingsVersion = version;
@@ -255,6 +258,7 @@ struct Shadow::State {
         ++step;
         pairs.clear();
         context->beginStep();
+        ++context->dispatches;  // so that shapes are looked at anew
         const std::uint64_t fallbacks = context->statistics.fallbacks;
         const btBroadphasePairArray& all = world.getPairCache()->getOverlappingPairArray();
         for (int i = 0; i < all.size(); ++i) {

@@ -33,7 +33,7 @@ struct ShadowPair {
     double depthDifference = 0;
     double normalAngle = 0;
     std::uint64_t work = 0;  ///< ours, in work units
-    bool degraded = false;   ///< ours was cut short by Settings::pairBudget
+    bool degraded = false;   ///< ours was cut short by Settings::pairBudget, or had only a stand-in for a mesh
     bool refused = false;    ///< ours has no answer: an unusable mesh, a pose that is not rigid
 };
 
@@ -61,7 +61,8 @@ struct ShadowTotals {
 /// dispatcher's own tables, and with ours. Both keep their memory from step to step, as they do in a simulation.
 ///
 /// Changes nothing: no body, no manifold, no table, no statistics of the world; callbacks for contacts are not called.
-/// With or without it, the simulation is the same bit by bit. What it costs comes on top of the step: about the
+/// With or without it, the simulation is the same bit by bit: of a mesh whose tree a Dispatcher is building in slices,
+/// both sides see what stands in for it, too. What it costs comes on top of the step: about the
 /// narrowphase of such pairs twice. An algorithm of the program's own is run a second time, on other manifolds. Not for
 /// two threads at once. A program's btCollisionObjects and its collision configuration must live while `observe` runs,
 /// not longer.

@@ -35,5 +35,27 @@ Status prebuild(const btCollisionShape* shape) noexcept {
     }
 }
 
+Status keepTrees(const char* folder) noexcept {
+    if (folder == nullptr) {
+        return Status::nullPointer;
+    }
+    try {
+        detail::ShapeModels::instance().cache().setFolder(folder);
+        return Status::ok;
+    } catch (...) {
+        return Status::outOfMemory;
+    }
+}
+
+TreeCounts treeCounts() noexcept {
+    try {
+        const ModelCache& cache = detail::ShapeModels::instance().cache();
+        const ModelCache::Counts counts = cache.counts();
+        return {counts.builds, counts.loads, counts.badFiles, cache.lastWarning()};
+    } catch (...) {
+        return {};
+    }
+}
+
 }  // namespace GRAPESHOT_PRECISION
 }  // namespace grapeshot

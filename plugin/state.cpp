@@ -83,6 +83,18 @@ btCollisionObject* objectOf(const btBroadphaseProxy* proxy) {
     return static_cast<btCollisionObject*>(proxy->m_clientObject);
 }
 
+/// A stand-in is not worth saving: nobody could make the same one again in mid-run.
+bool isBuilding(const Scene& scene) {
+    btBroadphasePairArray& pairs = scene.cache->getOverlappingPairArray();
+    for (int i = 0; i < pairs.size(); ++i) {
+        const PairProcessor* processor = processorOf(scene, pairs[i].m_algorithm);
+        if (processor != nullptr && processor->standsIn()) {
+            return true;
+        }
+    }
+    return false;
+}
+
 void savePayload(const Scene& scene, ByteWriter& out) {
     KeyTable keys;
     const btCollisionObjectArray& objects = scene.world->getCollisionObjectArray();
@@ -313,6 +325,9 @@ Status saveState(btCollisionWorld* world, std::vector<std::byte>& out) noexcept 
         Scene scene;
         if (const Status status = open(world, scene); status != Status::ok) {
             return status;
+        }
+        if (isBuilding(scene)) {
+            return Status::stillBuilding;
         }
         std::vector<std::byte> payload;
         ByteWriter inner(payload);

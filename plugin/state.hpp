@@ -24,17 +24,20 @@ inline namespace GRAPESHOT_PRECISION {
 /// impulses; soft bodies and multi-bodies; contacts that Bullet's own algorithms keep, and ours within compounds, which
 /// begin anew; user pointers on contact points; the fraction of a substep that stepSimulation keeps.
 /// @return nullPointer, badArgument (the world's dispatcher is no btCollisionDispatcher, or its pair cache no
-/// btHashedOverlappingPairCache), notRegistered, outOfMemory; `out` is empty then. O(triangles): meshes are hashed.
+/// btHashedOverlappingPairCache), notRegistered, outOfMemory; stillBuilding: a pair has but a stand-in for one of its
+/// meshes (see prebuild): step on until the tree is there, or prebuild and step once. `out` is empty then.
+/// O(triangles): meshes are hashed.
 Status saveState(btCollisionWorld* world, std::vector<std::byte>& out) noexcept;
 
 /// Into a world with the same bodies in the same order (added in that order, so that broadphase ids are in order too),
 /// registered with the same settings, of the same precision. Pairs and contacts that are there are replaced; callbacks
-/// for contacts are not called. Trees that are missing are built.
+/// for contacts are not called. Trees that are missing are built, those on their way finished.
 ///
 /// The steps that follow give the same bytes as in the world that was saved, if all contacts are ours, joints are none,
 /// and the broadphase has no memory (btSimpleBroadphase), or pairs are processed in a fixed order
 /// (m_deterministicOverlappingPairs) and its memory changes no island: btDbvtBroadphase keeps pairs that have parted
-/// for a while. Else they are as good, but not the same.
+/// for a while; and, under a limited frameBudget, all meshes of both worlds were prebuilt, since who meets a new one
+/// pays for its tree. Else they are as good, but not the same.
 /// @return as saveState; badState: the bytes are no saved state, are cut off or changed, or of another version or
 /// precision; otherWorld: other bodies, shapes, meshes or filters. Then nothing is changed. outOfMemory: pairs may be
 /// missing, and are found anew.

@@ -57,6 +57,7 @@ struct StepStatistics {
 
     // Of a Dispatcher alone; children of compounds and all dispatches of the frame included.
     std::uint64_t budget = unlimited;  ///< Settings::frameBudget.work
+    std::uint64_t building = 0;        ///< of `work`, what went into trees
     std::uint64_t mandatory = 0;       ///< work units that were given out whatever the budget
     int dispatches = 0;                ///< of pair caches, in this frame
 

@@ -17,8 +17,9 @@ enum class Status {
     unusableMesh,      ///< empty, NaN, indices out of range, ...: see Error
     badArgument,       ///< a number outside its documented range
     outOfMemory,
-    badState,    ///< bytes that are no saved state, or cut off, changed, of another version or precision
-    otherWorld,  ///< a saved state of other bodies, shapes or filters
+    badState,       ///< bytes that are no saved state, or cut off, changed, of another version or precision
+    otherWorld,     ///< a saved state of other bodies, shapes or filters
+    stillBuilding,  ///< a sample stands in for a mesh whose tree is being built
 };
 
 [[nodiscard]] std::string_view name(Status status) noexcept;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <grapeshot/adb/tree.hpp>
+#include <grapeshot/core/sliced.hpp>
 
 namespace grapeshot::detail {
 
@@ -27,9 +28,10 @@ struct BinaryTree {
 /// Splits the leaves of `binary` down to groups of at most settings.maxLeafTriangles, new nodes behind the old ones and
 /// triangles only moved within their leaf; then fills in the reach of all nodes. Reads only `tree.vertices` and
 /// `tree.triangles`. At most 64 + 28 levels deep, whatever the mesh, if no leaf is deeper than 64 to start with.
+Sliced splitLeavesInSlices(const Tree& tree, const BuildSettings& settings, BinaryTree& binary);
 void splitLeaves(const Tree& tree, const BuildSettings& settings, BinaryTree& binary);
 
 /// All triangles, split from the root down.
-[[nodiscard]] BinaryTree sortInTwos(const Tree& tree, const BuildSettings& settings);
+Sliced sortInTwosInSlices(const Tree& tree, const BuildSettings& settings, BinaryTree& all);
 
 }  // namespace grapeshot::detail

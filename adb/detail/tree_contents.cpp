@@ -101,36 +101,51 @@ Eigen::Vector3f slabNormal(const SurfaceMoments& moments, const Extent& extent) 
     return Eigen::Vector3f::Unit(axis);
 }
 
-void storeSlab(const Tree& tree, LeafRange range, const Eigen::Vector3f& normal, double least, Node& node, int slot) {
-    // Four corners at a time, in double: its rounding is far below the step outwards at the end.
-    const double cx = node.center[0][slot];
-    const double cy = node.center[1][slot];
-    const double cz = node.center[2][slot];
-    const double x = normal[0];
-    const double y = normal[1];
-    const double z = normal[2];
-    double low[4];
-    double high[4];
-    std::fill(low, low + 4, std::numeric_limits<double>::infinity());
-    std::fill(high, high + 4, -std::numeric_limits<double>::infinity());
-    for (std::uint32_t i = range.begin; i < range.end; ++i) {
-        for (const auto& corner : tree.leaves[i].corner) {
-            for (int lane = 0; lane < 4; ++lane) {
-                const double height =
-                    x * (corner[0][lane] - cx) + y * (corner[1][lane] - cy) + z * (corner[2][lane] - cz);
-                low[lane] = height < low[lane] ? height : low[lane];
-                high[lane] = height > high[lane] ? height : high[lane];
+/// Between which heights along a normal the corners of some leaves are. Four corners at a time, in double: its rounding
+/// is far below the step outwards at the end.
+struct Slab {
+    double center[3];
+    double normal[3];
+    double low[4], high[4];
+
+    Slab(const Node& node, int slot, const Eigen::Vector3f& direction) {
+        for (int axis = 0; axis < 3; ++axis) {
+            center[axis] = node.center[axis][slot];
+            normal[axis] = direction[axis];
+        }
+        std::fill(low, low + 4, std::numeric_limits<double>::infinity());
+        std::fill(high, high + 4, -std::numeric_limits<double>::infinity());
+    }
+
+    void grow(const Tree& tree, std::size_t begin, std::size_t end) {
+        const double cx = center[0];
+        const double cy = center[1];
+        const double cz = center[2];
+        const double x = normal[0];
+        const double y = normal[1];
+        const double z = normal[2];
+        for (std::size_t i = begin; i < end; ++i) {
+            for (const auto& corner : tree.leaves[i].corner) {
+                for (int lane = 0; lane < 4; ++lane) {
+                    const double height =
+                        x * (corner[0][lane] - cx) + y * (corner[1][lane] - cy) + z * (corner[2][lane] - cz);
+                    low[lane] = height < low[lane] ? height : low[lane];
+                    high[lane] = height > high[lane] ? height : high[lane];
+                }
             }
         }
     }
-    for (int axis = 0; axis < 3; ++axis) {
-        node.normal[axis][slot] = normal[axis];
+
+    void store(double least, Node& node, int slot) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            node.normal[axis][slot] = static_cast<float>(normal[axis]);
+        }
+        const double lowest = *std::min_element(low, low + 4);
+        const double highest = *std::max_element(high, high + 4);
+        node.slabLow[slot] = std::nextafter(roundedDown(lowest - least), -infinity);
+        node.slabHigh[slot] = std::nextafter(roundedUp(highest + least), infinity);
     }
-    const double lowest = *std::min_element(low, low + 4);
-    const double highest = *std::max_element(high, high + 4);
-    node.slabLow[slot] = std::nextafter(roundedDown(lowest - least), -infinity);
-    node.slabHigh[slot] = std::nextafter(roundedUp(highest + least), infinity);
-}
+};
 
 void storeEmpty(Node& node, NodeDistribution& distribution, int slot) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -145,45 +160,73 @@ void storeEmpty(Node& node, NodeDistribution& distribution, int slot) {
 
 }  // namespace
 
+namespace {
+
+LeafRange rangeOf(const Node& node, const std::vector<LeafRange>& ranges) {
+    LeafRange range{std::numeric_limits<std::uint32_t>::max(), 0};
+    for (const ChildRef child : node.child) {
+        if (child == noChild) {
+            continue;
+        }
+        const LeafRange part = isLeaf(child) ? LeafRange{indexOf(child), indexOf(child) + 1} : ranges[indexOf(child)];
+        range = {std::min(range.begin, part.begin), std::max(range.end, part.end)};
+    }
+    return range;
+}
+
+}  // namespace
+
 std::vector<LeafRange> leafRanges(const Tree& tree) {
     std::vector<LeafRange> ranges(tree.nodes.size());
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
-        LeafRange range{std::numeric_limits<std::uint32_t>::max(), 0};
-        for (const ChildRef child : tree.nodes[i].child) {
-            if (child == noChild) {
-                continue;
-            }
-            const LeafRange part =
-                isLeaf(child) ? LeafRange{indexOf(child), indexOf(child) + 1} : ranges[indexOf(child)];
-            range = {std::min(range.begin, part.begin), std::max(range.end, part.end)};
-        }
-        ranges[i] = range;
+        ranges[i] = rangeOf(tree.nodes[i], ranges);
     }
     return ranges;
 }
 
-void fillContents(Tree& tree) {
-    for (LeafBlock& leaf : tree.leaves) {
-        fillLeaf(tree, leaf);
-    }
+Sliced fillContentsInSlices(Tree& tree) {
     double squaredRadius = 0;
-    for (const LeafBlock& leaf : tree.leaves) {
-        for (int corner = 0; corner < 3; ++corner) {
-            for (int lane = 0; lane < 4; ++lane) {
-                squaredRadius = std::max(squaredRadius, cornerOf(leaf, corner, lane).squaredNorm());
+    const auto fill = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            LeafBlock& leaf = tree.leaves[i];
+            fillLeaf(tree, leaf);
+            for (int corner = 0; corner < 3; ++corner) {
+                for (int lane = 0; lane < 4; ++lane) {
+                    squaredRadius = std::max(squaredRadius, cornerOf(leaf, corner, lane).squaredNorm());
+                }
             }
         }
-    }
+    };
+    co_await inPieces(0, tree.leaves.size(), 4, fill);
     tree.radius = std::nextafter(roundedUp(std::sqrt(squaredRadius)), infinity);
     const double least = double{tree.radius} * 0x1p-24;
-    const std::vector<LeafRange> ranges = leafRanges(tree);
-    std::vector<SurfaceMoments> nodeMoments(tree.nodes.size());
-    std::vector<Extent> nodeExtents(tree.nodes.size());
-    tree.distributions.resize(tree.nodes.size());
-    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+    // From here on from the back: children stand after their parents.
+    const std::size_t count = tree.nodes.size();
+    std::vector<LeafRange> ranges;
+    std::vector<SurfaceMoments> nodeMoments;
+    std::vector<Extent> nodeExtents;
+    ranges.reserve(count);
+    nodeMoments.reserve(count);
+    nodeExtents.reserve(count);
+    tree.distributions.reserve(count);
+    const auto clear = [&](std::size_t, std::size_t end) {
+        ranges.resize(end);
+        nodeMoments.resize(end);
+        nodeExtents.resize(end);
+        tree.distributions.resize(std::max(end, tree.distributions.size()));
+    };
+    co_await inPieces(0, count, 8, clear);
+    const auto findRanges = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            ranges[count - 1 - i] = rangeOf(tree.nodes[count - 1 - i], ranges);
+        }
+    };
+    co_await inPieces(0, count, 16, findRanges);
+    for (std::size_t i = count; i-- > 0;) {
+        co_yield 6;
         Node& node = tree.nodes[i];
         SurfaceMoments parts[4];
-        int count = 0;
+        int number = 0;
         for (int slot = 0; slot < 4; ++slot) {
             const ChildRef child = node.child[slot];
             if (child == noChild) {
@@ -195,18 +238,29 @@ void fillContents(Tree& tree) {
             const Extent extent = isLeaf(child) ? extentOf(tree.leaves[below]) : nodeExtents[below];
             const LeafRange range = isLeaf(child) ? LeafRange{below, below + 1} : ranges[below];
             storeBox(extent, least, node, slot);
-            storeSlab(tree, range, slabNormal(part, extent), least, node, slot);
+            Slab slab(node, slot, slabNormal(part, extent));
+            if (range.end - range.begin <= 4) {
+                slab.grow(tree, range.begin, range.end);
+            } else {
+                const auto grow = [&](std::size_t begin, std::size_t end) { slab.grow(tree, begin, end); };
+                co_await inPieces(range.begin, range.end, 16, grow);
+            }
+            slab.store(least, node, slot);
             store(part, node, slot, tree.distributions[i]);
             nodeExtents[i].grow(extent);
-            parts[count++] = part;
+            parts[number++] = part;
         }
-        nodeMoments[i] = sum(parts, count);
+        nodeMoments[i] = sum(parts, number);
     }
     for (int axis = 0; axis < 3; ++axis) {
         tree.lower[axis] = nodeExtents[0].lower[axis];
         tree.upper[axis] = nodeExtents[0].upper[axis];
     }
     storeWhole(nodeMoments[0], 0.5 * (tree.upper.cast<double>() - tree.lower.cast<double>()).norm(), tree.whole);
+}
+
+void fillContents(Tree& tree) {
+    fillContentsInSlices(tree).run();
 }
 
 }  // namespace grapeshot::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <grapeshot/adb/tree.hpp>
+#include <grapeshot/core/sliced.hpp>
 
 namespace grapeshot::detail {
 
@@ -13,6 +14,7 @@ inline constexpr float maxInflation = 1e35F;
 /// Fills in everything but the shape: corners of the leaves, boxes, slabs, moments, extent, from `vertices`,
 /// `triangles`, the children and the leaves' triangle indices. O(n) for all but the slabs, which look at every triangle
 /// once a level.
+Sliced fillContentsInSlices(Tree& tree);
 void fillContents(Tree& tree);
 
 /// Consecutive leaf blocks [begin, end) below each node.

@@ -7,7 +7,7 @@
 
 #include <grapeshot/adb/detail/tree_contents.hpp>
 #include <grapeshot/core/error.hpp>
-#include <grapeshot/core/mesh_report.hpp>
+#include <grapeshot/core/mesh_slices.hpp>
 
 namespace grapeshot::detail {
 namespace {
@@ -19,43 +19,39 @@ constexpr std::size_t maxTriangles = std::size_t{1} << 28U;
 /// the least.
 class Widener {
   public:
-    Widener(const BinaryTree& binary, Tree& tree) : m_binary(binary), m_plans(binary.nodes.size()), m_tree(tree) {}
+    Widener(const BinaryTree& binary, Tree& tree) : m_binary(binary), m_tree(tree) {}
 
-    void run() {
-        for (std::size_t i = m_plans.size(); i-- > 0;) {
-            m_plans[i] = planFor(m_binary.nodes[i]);
-        }
-        struct Task {
-            std::uint32_t node;
-            std::uint32_t group;
+    Sliced run() {
+        const std::size_t count = m_binary.nodes.size();
+        m_plans.reserve(count);
+        const auto clear = [&](std::size_t, std::size_t end) { m_plans.resize(end); };
+        co_await inPieces(0, count, 64, clear);
+        std::size_t leaves = 0;
+        const auto plan = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::size_t fromTheBack = count - 1 - i;
+                m_plans[fromTheBack] = planFor(m_binary.nodes[fromTheBack]);
+                leaves += m_binary.nodes[fromTheBack].left == 0 ? 1U : 0U;
+            }
         };
-        std::vector<Task> tasks = {{0, 0}};
-        m_tree.nodes.emplace_back();
-        while (!tasks.empty()) {
-            const Task task = tasks.back();
-            tasks.pop_back();
-            std::uint32_t parts[4];
-            int count = 0;
-            if (m_binary.nodes[task.group].left == 0) {
-                parts[count++] = task.group;  // the root of a mesh of one leaf
-            } else {
-                collect(task.group, 4, parts, count);
+        co_await inPieces(0, count, 16, plan);
+        m_tree.leaves.reserve(leaves);
+        m_nodes.reserve(leaves);  // as many at most
+        m_tasks = {{0, 0}};
+        m_nodes.emplace_back();
+        while (!m_tasks.empty()) {
+            co_yield mostSlicedPiece;
+            for (std::size_t i = 0; i < 4 * mostSlicedPiece && !m_tasks.empty(); ++i) {
+                makeNode();
             }
-            // Siblings stand side by side, and a subtree's leaves are consecutive: the last pushed is done first.
-            const std::size_t pushed = tasks.size();
-            for (int slot = 0; slot < 4; ++slot) {
-                ChildRef child = noChild;
-                if (slot < count && m_binary.nodes[parts[slot]].left == 0) {
-                    child = leafBit | makeLeaf(m_binary.nodes[parts[slot]]);
-                } else if (slot < count) {
-                    child = static_cast<ChildRef>(m_tree.nodes.size());
-                    m_tree.nodes.emplace_back();
-                    tasks.push_back({child, parts[slot]});
-                }
-                m_tree.nodes[task.node].child[slot] = child;
-            }
-            std::reverse(tasks.begin() + static_cast<std::ptrdiff_t>(pushed), tasks.end());
         }
+        m_tree.nodes.clear();
+        m_tree.nodes.reserve(m_nodes.size());
+        const auto copy = [&](std::size_t begin, std::size_t end) {
+            m_tree.nodes.insert(m_tree.nodes.end(), m_nodes.begin() + static_cast<std::ptrdiff_t>(begin),
+                                m_nodes.begin() + static_cast<std::ptrdiff_t>(end));
+        };
+        co_await inPieces(0, m_nodes.size(), 8, copy);
     }
 
   private:
@@ -65,6 +61,37 @@ class Widener {
         std::uint8_t left[5] = {};  ///< [slots]: how many of them the left half gets
         bool whole[5] = {};         ///< [slots]: cheaper to take one slot, as a node of its own
     };
+
+    struct Task {
+        std::uint32_t node;
+        std::uint32_t group;
+    };
+
+    void makeNode() {
+        const Task task = m_tasks.back();
+        m_tasks.pop_back();
+        std::uint32_t parts[4];
+        int count = 0;
+        if (m_binary.nodes[task.group].left == 0) {
+            parts[count++] = task.group;  // the root of a mesh of one leaf
+        } else {
+            collect(task.group, 4, parts, count);
+        }
+        // Siblings stand side by side, and a subtree's leaves are consecutive: the last pushed is done first.
+        const std::size_t pushed = m_tasks.size();
+        for (int slot = 0; slot < 4; ++slot) {
+            ChildRef child = noChild;
+            if (slot < count && m_binary.nodes[parts[slot]].left == 0) {
+                child = leafBit | makeLeaf(m_binary.nodes[parts[slot]]);
+            } else if (slot < count) {
+                child = static_cast<ChildRef>(m_nodes.size());
+                m_nodes.emplace_back();
+                m_tasks.push_back({child, parts[slot]});
+            }
+            m_nodes[task.node].child[slot] = child;
+        }
+        std::reverse(m_tasks.begin() + static_cast<std::ptrdiff_t>(pushed), m_tasks.end());
+    }
 
     [[nodiscard]] Plan planFor(const BinaryNode& group) const {
         Plan plan;
@@ -114,27 +141,50 @@ class Widener {
 
     const BinaryTree& m_binary;
     std::vector<Plan> m_plans;
+    std::vector<Task> m_tasks;
+    std::vector<Node> m_nodes;
     Tree& m_tree;
 };
 
 }  // namespace
 
-Tree treeWithoutNodes(MeshView mesh) {
-    requireUsable(mesh);
+Sliced copyMeshInSlices(MeshView mesh, Tree& tree) {
+    co_await requireUsableInSlices(mesh);
     if (mesh.triangles.size() > maxTriangles) {
         throw Error(Fault::tooLarge, std::to_string(mesh.triangles.size()) + " triangles, more than 2^28", "mesh");
     }
+    const auto copy = [](auto from, auto& to, std::size_t begin, std::size_t end) {
+        to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(begin),
+                  from.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    tree.vertices.reserve(mesh.vertices.size());
+    const auto copyVertices = [&](std::size_t begin, std::size_t end) {
+        copy(mesh.vertices, tree.vertices, begin, end);
+    };
+    co_await inPieces(0, mesh.vertices.size(), 128, copyVertices);
+    tree.triangles.reserve(mesh.triangles.size());
+    const auto copyTriangles = [&](std::size_t begin, std::size_t end) {
+        copy(mesh.triangles, tree.triangles, begin, end);
+    };
+    co_await inPieces(0, mesh.triangles.size(), 128, copyTriangles);
+}
+
+Tree treeWithoutNodes(MeshView mesh) {
     Tree tree;
-    tree.vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
-    tree.triangles.assign(mesh.triangles.begin(), mesh.triangles.end());
+    copyMeshInSlices(mesh, tree).run();
     return tree;
 }
 
+Sliced addNodesInSlices(const BinaryTree& binary, Tree& tree) {
+    {
+        Widener widener(binary, tree);
+        co_await widener.run();
+    }
+    co_await fillContentsInSlices(tree);
+}
+
 void addNodes(const BinaryTree& binary, Tree& tree) {
-    Widener(binary, tree).run();
-    tree.nodes.shrink_to_fit();
-    tree.leaves.shrink_to_fit();
-    fillContents(tree);
+    addNodesInSlices(binary, tree).run();
 }
 
 }  // namespace grapeshot::detail

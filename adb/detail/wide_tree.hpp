@@ -8,10 +8,12 @@ namespace grapeshot::detail {
 
 /// The mesh, copied.
 /// @throws Error as requireUsable does, and tooLarge beyond 2^28 triangles
+Sliced copyMeshInSlices(MeshView mesh, Tree& tree);
 [[nodiscard]] Tree treeWithoutNodes(MeshView mesh);
 
 /// The cheapest four-wide tree whose nodes are groups of `binary`, with all that its nodes say. No leaf of `binary` may
 /// have more than four triangles.
+Sliced addNodesInSlices(const BinaryTree& binary, Tree& tree);
 void addNodes(const BinaryTree& binary, Tree& tree);
 
 }  // namespace grapeshot::detail

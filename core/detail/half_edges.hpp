@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <grapeshot/core/mesh_view.hpp>
+#include <grapeshot/core/sliced.hpp>
 
 namespace grapeshot::detail {
 
@@ -18,11 +19,10 @@ struct HalfEdge {
     bool ascending = false;  ///< the triangle runs from low to high
 };
 
-/// Half edges of the triangles for which `use[t]` (all if empty), sorted by (low, high, triangle, edge). Sides whose
-/// ends are welded together are left out. Indices must be in range.
-[[nodiscard]] std::vector<HalfEdge> sortedHalfEdges(std::span<const Triangle> triangles,
-                                                    std::span<const std::uint32_t> welded,
-                                                    const std::vector<bool>& use = {});
+/// Half edges of the triangles, sorted by (low, high, triangle, edge). Sides whose ends are welded together are left
+/// out. Indices must be in range.
+Sliced sortHalfEdgesInSlices(std::span<const Triangle> triangles, std::span<const std::uint32_t> welded,
+                             std::vector<HalfEdge>& edges);
 
 /// End of the run of half edges that share both vertices with `begin`.
 [[nodiscard]] std::size_t endOfEdge(const std::vector<HalfEdge>& edges, std::size_t begin);

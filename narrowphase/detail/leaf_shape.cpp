@@ -11,23 +11,46 @@ using Eigen::Vector3f;
 
 /// Triangles at each welded vertex, in compressed rows.
 struct Fans {
-    Fans(const Tree& tree, const Topology& topology) : begin(tree.vertices.size() + 1, 0) {
-        const auto each = [&](auto&& visit) {
-            for (std::uint32_t t = 0; t < tree.triangles.size(); ++t) {
+    std::vector<std::uint32_t> begin, triangles;
+
+    Sliced gather(const Tree& tree, const Topology& topology) {
+        const std::size_t vertices = tree.vertices.size();
+        begin.reserve(vertices + 1);
+        const auto clear = [&](std::size_t, std::size_t end) { begin.resize(end, 0); };
+        co_await inPieces(0, vertices + 1, 1024, clear);
+        const auto count = [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t) {
                 for (const std::uint32_t corner : tree.triangles[t]) {
-                    visit(topology.welded[corner], t);
+                    ++begin[topology.welded[corner] + 1];
                 }
             }
         };
-        each([&](std::uint32_t v, std::uint32_t) { ++begin[v + 1]; });
-        for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
-            begin[v + 1] += begin[v];
-        }
-        triangles.resize(begin.back());
-        std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-        each([&](std::uint32_t v, std::uint32_t t) { triangles[next[v]++] = t; });
+        co_await inPieces(0, tree.triangles.size(), 64, count);
+        const auto addUp = [&](std::size_t first, std::size_t last) {
+            for (std::size_t v = first; v < last; ++v) {
+                begin[v + 1] += begin[v];
+            }
+        };
+        co_await inPieces(0, vertices, 256, addUp);
+        triangles.reserve(begin.back());
+        const auto clearTriangles = [&](std::size_t, std::size_t end) { triangles.resize(end); };
+        co_await inPieces(0, begin.back(), 1024, clearTriangles);
+        std::vector<std::uint32_t> next;
+        next.reserve(vertices);
+        const auto copy = [&](std::size_t first, std::size_t last) {
+            next.insert(next.end(), begin.begin() + static_cast<std::ptrdiff_t>(first),
+                        begin.begin() + static_cast<std::ptrdiff_t>(last));
+        };
+        co_await inPieces(0, vertices, 1024, copy);
+        const auto place = [&](std::size_t first, std::size_t last) {
+            for (auto t = static_cast<std::uint32_t>(first); t < last; ++t) {
+                for (const std::uint32_t corner : tree.triangles[t]) {
+                    triangles[next[topology.welded[corner]]++] = t;
+                }
+            }
+        };
+        co_await inPieces(0, tree.triangles.size(), 16, place);
     }
-    std::vector<std::uint32_t> begin, triangles;
 };
 
 // What a triangle in the middle of a flat face has none of, once its flat corners are counted out.
@@ -88,17 +111,22 @@ void setCone(const Tree& tree, const Topology& topology, const std::vector<Vecto
 
 }  // namespace
 
-std::vector<LeafShape> leafShapes(const Tree& tree, const Topology& topology, const std::vector<Vector3f>& normals,
-                                  const std::vector<std::uint16_t>& traits) {
-    const Fans fans(tree, topology);
-    std::vector<LeafShape> shapes(tree.leaves.size());
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-        setBox(tree, tree.leaves[i], shapes[i]);
-        setCone(tree, topology, normals, fans, tree.leaves[i], shapes[i]);
-        shapes[i].plain = std::all_of(std::begin(tree.leaves[i].triangle), std::end(tree.leaves[i].triangle),
+Sliced leafShapesInSlices(const Tree& tree, const Topology& topology, const std::vector<Vector3f>& normals,
+                          const std::vector<std::uint16_t>& traits, std::vector<LeafShape>& shapes) {
+    Fans fans;
+    co_await fans.gather(tree, topology);
+    shapes.clear();
+    shapes.reserve(tree.leaves.size());
+    const auto add = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            LeafShape& shape = shapes.emplace_back();
+            setBox(tree, tree.leaves[i], shape);
+            setCone(tree, topology, normals, fans, tree.leaves[i], shape);
+            shape.plain = std::all_of(std::begin(tree.leaves[i].triangle), std::end(tree.leaves[i].triangle),
                                       [&](std::uint32_t t) { return t == noTriangle || isPlain(traits[t]); });
-    }
-    return shapes;
+        }
+    };
+    co_await inPieces(0, tree.leaves.size(), 1, add);
 }
 
 }  // namespace grapeshot::detail

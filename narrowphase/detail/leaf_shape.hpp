@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include <grapeshot/core/sliced.hpp>
 #include <grapeshot/narrowphase/detail/extremum.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 
@@ -17,9 +18,8 @@ namespace grapeshot::detail {
 
 /// By leaf block. The cone holds the normals of the leaf's triangles and of all that share a corner with one, so that
 /// it holds the directions in which any of the leaf's corners, edges and faces can be touched, with some to spare.
-[[nodiscard]] std::vector<LeafShape> leafShapes(const Tree& tree, const Topology& topology,
-                                                const std::vector<Eigen::Vector3f>& triangleNormals,
-                                                const std::vector<std::uint16_t>& traits);
+Sliced leafShapesInSlices(const Tree& tree, const Topology& topology, const std::vector<Eigen::Vector3f>& normals,
+                          const std::vector<std::uint16_t>& traits, std::vector<LeafShape>& shapes);
 
 /// Added to each leaf's spread, rad: for the leans of contacts on both sides, and what a corner's supporting directions
 /// can stick out of the cone of its faces' normals.

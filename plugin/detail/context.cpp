@@ -153,6 +153,7 @@ void Context::beginStep() {
     s.longestWait = 0;
     s.budget = unlimited;
     s.mandatory = 0;
+    s.building = 0;
     s.dispatches = 0;
     s.pairs.clear();
 }
@@ -165,6 +166,8 @@ std::uint64_t Context::enterStep(std::uint64_t lastStep) {
 }
 
 void Context::reportFrame() {
+    statistics.work += frame.building() - statistics.building;
+    statistics.building = frame.building();
     statistics.budget = frame.budget().work;
     statistics.mandatory = frame.mandatory();
     statistics.dispatches = frame.dispatches();

@@ -26,6 +26,8 @@ struct Cell {
     bool wasEmpty = false;  ///< it was Bullet's empty algorithm
 };
 
+class ShapeEntry;
+
 /// Every algorithm holds its context, so that it outlives them all.
 struct Context : std::enable_shared_from_this<Context> {
     explicit Context(const Settings& chosen);
@@ -58,8 +60,11 @@ struct Context : std::enable_shared_from_this<Context> {
 
     Settings settings;
     Frame frame;
-    bool framed = false;       ///< the dispatcher is one of ours: it says when a step begins
-    bool dispatching = false;  ///< it is between the begin and the end of a dispatch
+    std::vector<std::shared_ptr<ShapeEntry>> building;  ///< shapes of this dispatch whose trees are not there yet
+    std::uint64_t dispatches = 0;                       ///< of a dispatcher of ours, since registration
+    bool beside = false;                                ///< only looks on: see Pace::beside
+    bool framed = false;                                ///< the dispatcher is one of ours: it says when a step begins
+    bool dispatching = false;                           ///< it is between the begin and the end of a dispatch
     StepStatistics statistics;
     std::vector<Cell> cells;
     std::array<std::unique_ptr<AdbCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table

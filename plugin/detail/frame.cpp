@@ -18,7 +18,7 @@ void Frame::start(const Budget& budget) {
     if (m_budget.time != never) {
         m_startTime = timeOf(m_budget);
     }
-    m_spent = m_mandatory = 0;
+    m_spent = m_mandatory = m_building = 0;
     m_dispatches = m_mainDispatches = 0;
     m_expected = 1;
 }
@@ -97,6 +97,12 @@ void Frame::payDispatch(std::uint64_t work, std::uint64_t mandatory) {
         m_later.work += work;
         m_later.mandatory += mandatory;
     }
+}
+
+void Frame::payBuilding(std::uint64_t work, std::uint64_t mandatory) {
+    m_spent += work;
+    m_building += work;
+    m_mandatory += mandatory;
 }
 
 void Frame::payLatecomer(std::uint64_t work, std::uint64_t mandatory) {

@@ -11,6 +11,9 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
+/// Work units of a dispatch that go into trees, if there are some to be built, whatever the budget.
+inline constexpr std::uint64_t buildingSlice = 64;
+
 /// Nothing of Bullet in it: pair caches are mere names.
 ///
 /// When a frame begins: with `begin`, or by itself with each dispatch of the main cache. That is the first cache that
@@ -34,11 +37,14 @@ class Frame {
 
     void payDispatch(std::uint64_t work, std::uint64_t mandatory);
     void payLatecomer(std::uint64_t work, std::uint64_t mandatory);
+    /// For trees that are being built, and what stands in for them.
+    void payBuilding(std::uint64_t work, std::uint64_t mandatory);
 
     [[nodiscard]] bool isLimited() const { return m_budget.work != unlimited || m_budget.time != never; }
     [[nodiscard]] const Budget& budget() const { return m_budget; }
     [[nodiscard]] std::uint64_t spent() const { return m_spent; }
     [[nodiscard]] std::uint64_t mandatory() const { return m_mandatory; }
+    [[nodiscard]] std::uint64_t building() const { return m_building; }  ///< of what was spent
     [[nodiscard]] int dispatches() const { return m_dispatches; }
     /// Until the frame's time is up; `never` without a limit of time.
     [[nodiscard]] std::chrono::nanoseconds timeLeft() const;
@@ -57,6 +63,7 @@ class Frame {
     std::uint64_t m_number = 0;
     std::uint64_t m_spent = 0;
     std::uint64_t m_mandatory = 0;
+    std::uint64_t m_building = 0;
     int m_dispatches = 0;      // in this frame
     int m_mainDispatches = 0;  // of these, of the main cache
     int m_expected = 1;        // main dispatches of the frame

@@ -23,6 +23,10 @@ bool sameNumber(btScalar x, btScalar y) {
     return std::bit_cast<Bits>(x) == std::bit_cast<Bits>(y);
 }
 
+/// Work units that a pair may want while a sample stands in for one of its meshes: the rest had better go into the
+/// tree.
+constexpr std::uint64_t standInSlice = 96;
+
 bool samePose(const btTransform& x, const btTransform& y) {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
@@ -85,14 +89,7 @@ void PairProcessor::compute(const Budget& budget) noexcept {
         m_share.mandatory = std::min(mandatory(), budget.work);
     }
     try {
-        PairResult result = m_contacts.step(ahead.shapes, ahead.task);
-        if (ahead.attempted) {
-            result.work += sum.work;
-            result.candidates += sum.candidates;
-            result.traversed = result.traversed || sum.traversed;
-            result.collides = result.collides || sum.collides;
-        }
-        sum = result;
+        addResult(m_contacts.step(ahead.shapes, ahead.task));
     } catch (...) {
         ahead.failed = true;  // the contacts of the last step stay
         sum.stop = StopReason::budget;
@@ -138,7 +135,7 @@ bool PairProcessor::isSolid() const {
 }
 
 bool PairProcessor::wasCutShort() const {
-    return m_share.result.stop == StopReason::budget && !m_ahead->failed;
+    return m_share.result.stop == StopReason::budget && !m_ahead->failed && !standsIn();
 }
 
 std::uint64_t PairProcessor::key() const {
@@ -154,6 +151,9 @@ std::uint64_t PairProcessor::mandatory() const {
 }
 
 std::uint64_t PairProcessor::wanted() const {
+    if (standsIn()) {
+        return standInSlice;
+    }
     return m_cutShort ? unlimited : m_lastNeed + m_lastNeed / 4;
 }
 

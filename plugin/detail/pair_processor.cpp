@@ -5,6 +5,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include <algorithm>
+#include <utility>
 
 #include <grapeshot/narrowphase/schedule.hpp>
 #include <grapeshot/plugin/detail/pair_ahead.hpp>
@@ -99,6 +100,7 @@ void PairProcessor::processNow(const Bodies& bodies, const btDispatcherInfo& inf
     if (m_query) {
         m_contacts.forget();  // without memory
     }
+    goOnBuilding();
     computeNow(shapes, task(shapes, info.m_timeStep, result.m_closestPointDistanceThreshold));
     write(bodies, shapes, result);
 }
@@ -164,14 +166,26 @@ void PairProcessor::dropDelegate() {
 
 bool PairProcessor::findModels(const Bodies& bodies, bool rebound, PairShapes& shapes, std::string& refusal) {
     // Steps of different dispatchers have the same numbers; queries always look.
-    const std::uint64_t step = m_query ? 0 : (m_context->serial << 40U) + m_step;
+    const std::uint64_t look = m_context->framed ? m_context->dispatches : m_step;  // a frame may have several substeps
+    const std::uint64_t step = m_query ? 0 : (m_context->serial << 40U) + look;
+    Frame* frame = m_query ? nullptr : m_context->openFrame();
+    const Pace pace = frame != nullptr ? Pace::inSlices : m_context->beside ? Pace::beside : Pace::atOnce;
     bool resized = rebound;
     for (std::size_t i = 0; i < 2; ++i) {
         if (!m_entries[i]) {
             continue;
         }
-        std::shared_ptr<const ShapeModel> model = m_entries[i]->model(*m_shapes[i], ShapeModels::instance().cache(),
-                                                                      rebound ? Check::thorough : Check::sampled, step);
+        std::uint64_t work = 0;
+        std::shared_ptr<const ShapeModel> model =
+            m_entries[i]->model(*m_shapes[i], ShapeModels::instance().cache(),
+                                rebound ? Check::thorough : Check::sampled, step, pace, work);
+        if (frame != nullptr) {
+            frame->payBuilding(work, work);
+            if (m_entries[i]->isBuilding() &&
+                std::ranges::find(m_context->building, m_entries[i]) == m_context->building.end()) {
+                m_context->building.push_back(m_entries[i]);
+            }
+        }
         if (!model->mesh) {
             refusal = model->error;
             m_models[i].reset();
@@ -200,6 +214,20 @@ bool PairProcessor::findModels(const Bodies& bodies, bool rebound, PairShapes& s
     return true;
 }
 
+/// Of shapes that only turned up in Bullet's pass.
+void PairProcessor::goOnBuilding() {
+    Frame* frame = m_query ? nullptr : m_context->openFrame();
+    if (frame == nullptr) {
+        return;
+    }
+    for (const std::shared_ptr<ShapeEntry>& entry : std::exchange(m_context->building, {})) {
+        Budget slice = frame->latecomerSlice(buildingSlice);
+        slice.work = std::max(buildingSlice, slice.work / 2);  // the pair wants some too
+        const std::uint64_t work = entry->goOnBuilding(slice);
+        frame->payBuilding(work, std::min(work, buildingSlice));
+    }
+}
+
 PairTask PairProcessor::task(const PairShapes& shapes, btScalar timeStep, btScalar closestDistance) const {
     PairTask task;
     task.settings = &m_context->settings;
@@ -219,22 +247,39 @@ void PairProcessor::computeNow(const PairShapes& shapes, const PairTask& task) {
     Frame* frame = m_query ? nullptr : m_context->openFrame();
     PairTask now = task;
     m_share.mandatory = mandatoryOf(shapes, task);
+    Budget slice;
     if (frame != nullptr) {
-        const Budget slice = frame->latecomerSlice(m_share.mandatory);
-        now.budget.work = std::min(now.budget.work, slice.work);
-        if (slice.time < now.budget.time) {
-            now.budget.time = slice.time;
-            now.budget.clock = slice.clock;
-        }
+        slice = frame->latecomerSlice(m_share.mandatory);
+        // With a time, first the mandatory part, whatever that takes.
+        now.budget.work = std::min(now.budget.work, slice.time != never ? m_share.mandatory : slice.work);
     }
     m_share.slice = now.budget.work;
     m_share.result = m_contacts.step(shapes, now);
+    if (slice.time != never && m_share.result.stop == StopReason::budget) {
+        now.budget = slice;
+        now.budget.work = std::min(slice.work, task.budget.work);
+        now.budget.work -= std::min(now.budget.work, m_share.result.work);
+        now.budget.time = std::min(slice.time, task.budget.time);
+        now.again = true;
+        m_share.slice += now.budget.work;
+        addResult(m_contacts.step(shapes, now));
+    }
     settle();
     if (frame != nullptr) {
         // What cannot be cut short is all mandatory.
         m_share.mandatory = shapes.modelB ? std::min(m_share.mandatory, m_share.slice) : m_share.result.work;
         frame->payLatecomer(m_share.result.work, m_share.mandatory);
     }
+}
+
+/// Of a further call in the same step.
+void PairProcessor::addResult(PairResult more) {
+    PairResult& sum = m_share.result;
+    more.work += sum.work;
+    more.candidates += sum.candidates;
+    more.traversed = more.traversed || sum.traversed;
+    more.collides = more.collides || sum.collides;
+    sum = more;
 }
 
 void PairProcessor::settle() {
@@ -256,6 +301,7 @@ void PairProcessor::write(const Bodies& bodies, const PairShapes& shapes, btMani
         report(bodies, {}, &reason);
         return;
     }
+    // Of a sample the parts are empty: its triangles have no names.
     ContactBodies contactBodies{shapes.a, shapes.b, shapes.modelA->parts, {}, shapes.marginA, shapes.marginB};
     if (shapes.modelB) {
         contactBodies.partsB = shapes.modelB->parts;
@@ -263,6 +309,10 @@ void PairProcessor::write(const Bodies& bodies, const PairShapes& shapes, btMani
     contactBodies.aIsFirst = shapes.a == bodies[0];
     const float reach = 2 * m_context->settings.mergeDistance * m_size.size;
     report(bodies, m_writer.write(m_contacts.now(), m_contacts.ahead(), contactBodies, reach, result), nullptr);
+}
+
+bool PairProcessor::standsIn() const {
+    return std::ranges::any_of(m_models, [](const auto& model) { return model && model->isStandIn; });
 }
 
 void PairProcessor::report(const Bodies& bodies, const Written& written, const std::string* refusal) {
@@ -276,8 +326,8 @@ void PairProcessor::report(const Bodies& bodies, const Written& written, const s
     pair.candidates = found.candidates;
     pair.traversed = found.traversed;
     pair.refreshed = found.refreshed;
-    pair.certain = found.certain;
-    pair.stop = found.stop;
+    pair.certain = found.certain && !standsIn();
+    pair.stop = found.stop == StopReason::certain && standsIn() ? StopReason::budget : found.stop;
     pair.droppedRegions = refusal != nullptr ? 0 : m_contacts.now().droppedRegions;
     pair.contacts = written.contacts;
     pair.speculative = written.ahead;

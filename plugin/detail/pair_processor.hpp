@@ -56,13 +56,16 @@ class PairProcessor {
     void settle();
     [[nodiscard]] bool needsBullet() const;  ///< calls functions of Bullet that may not be called from two threads
     [[nodiscard]] bool isSolid() const;      ///< a mesh against a solid: cannot be cut short
-    [[nodiscard]] bool wasCutShort() const;
+    [[nodiscard]] bool wasCutShort() const;  ///< and more work in this step is of use
     [[nodiscard]] const PairShare& share() const { return m_share; }
     [[nodiscard]] std::uint64_t key() const;
     [[nodiscard]] std::uint64_t mandatory() const;
     [[nodiscard]] std::uint64_t wanted() const;  ///< work units, as the last steps tell
     [[nodiscard]] std::uint32_t age() const { return m_age; }
     [[nodiscard]] PairTraits traits() const;
+
+    /// Is it about a sample of a shape whose tree is being built, or what that was before an edit?
+    [[nodiscard]] bool standsIn() const;
 
     // Between steps, to save and restore; pair_saving.cpp.
 
@@ -91,6 +94,8 @@ class PairProcessor {
     [[nodiscard]] btScalar breakingThreshold(const Bodies& bodies) const;
     [[nodiscard]] bool takeAhead(const Bodies& bodies, PairShapes& shapes);
     void processNow(const Bodies& bodies, const btDispatcherInfo& info, btManifoldResult& result);
+    void addResult(PairResult more);
+    void goOnBuilding();
     void look(const Bodies& bodies);
     void computeNow(const PairShapes& shapes, const PairTask& task);
     void write(const Bodies& bodies, const PairShapes& shapes, btManifoldResult& result);

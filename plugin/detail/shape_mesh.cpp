@@ -162,7 +162,7 @@ void sourcesOf(const btCollisionShape& shape, std::vector<PartSource>& sources) 
     require(!sources.empty(), Fault::emptyMesh, "no parts", "shape");
 }
 
-ShapeMesh readMesh(std::span<const PartSource> sources) {
+Sliced readMeshInSlices(std::span<const PartSource> sources, ShapeMesh& mesh) {
     std::uint64_t vertices = 0;
     std::uint64_t triangles = 0;
     for (const PartSource& source : sources) {
@@ -171,27 +171,38 @@ ShapeMesh readMesh(std::span<const PartSource> sources) {
     }
     require(vertices < 0x7fffffffU && triangles < 0x7fffffffU, Fault::tooLarge, "more than 2^31 vertices or triangles",
             "shape");
-    ShapeMesh mesh;
+    mesh = ShapeMesh();
     mesh.vertices.reserve(vertices);
     mesh.triangles.reserve(triangles);
     for (const PartSource& source : sources) {
         const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
         mesh.parts.push_back({source.part, static_cast<std::uint32_t>(mesh.triangles.size())});
-        for (int i = 0; i < source.vertices; ++i) {
-            mesh.vertices.push_back(source.vertex(i));
-        }
-        for (int i = 0; i < source.triangles; ++i) {
-            Triangle triangle = source.triangle(i);
-            for (std::uint32_t& corner : triangle) {
-                // Here and not later: behind the last vertex of one part are those of the next.
-                require(corner < static_cast<std::uint32_t>(source.vertices), Fault::indexOutOfRange,
-                        "vertex " + std::to_string(corner) + " of " + std::to_string(source.vertices),
-                        "triangle " + std::to_string(i) + " of part " + std::to_string(source.part));
-                corner += base;
+        const auto readVertices = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                mesh.vertices.push_back(source.vertex(static_cast<int>(i)));
             }
-            mesh.triangles.push_back(triangle);
-        }
+        };
+        co_await inPieces(0, static_cast<std::size_t>(source.vertices), 16, readVertices);
+        const auto readTriangles = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                Triangle triangle = source.triangle(static_cast<int>(i));
+                for (std::uint32_t& corner : triangle) {
+                    // Here and not later: behind the last vertex of one part are those of the next.
+                    require(corner < static_cast<std::uint32_t>(source.vertices), Fault::indexOutOfRange,
+                            "vertex " + std::to_string(corner) + " of " + std::to_string(source.vertices),
+                            "triangle " + std::to_string(i) + " of part " + std::to_string(source.part));
+                    corner += base;
+                }
+                mesh.triangles.push_back(triangle);
+            }
+        };
+        co_await inPieces(0, static_cast<std::size_t>(source.triangles), 16, readTriangles);
     }
+}
+
+ShapeMesh readMesh(std::span<const PartSource> sources) {
+    ShapeMesh mesh;
+    readMeshInSlices(sources, mesh).run();
     return mesh;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <grapeshot/core/mesh_view.hpp>
+#include <grapeshot/core/sliced.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
 class btCollisionShape;
@@ -71,6 +72,8 @@ void sourcesOf(const btCollisionShape& shape, std::vector<PartSource>& sources);
 /// Copies everything.
 /// @throws Error tooLarge, indexOutOfRange
 [[nodiscard]] ShapeMesh readMesh(std::span<const PartSource> sources);
+/// The same in slices. Between them the shape must stay alive, and `sources` too.
+Sliced readMeshInSlices(std::span<const PartSource> sources, ShapeMesh& mesh);
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <atomic>
 
+#include <grapeshot/adb/tree_builder.hpp>
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/narrowphase/model_builder.hpp>
+#include <grapeshot/plugin/detail/sampled_mesh.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -41,8 +44,11 @@ bool visitSample(std::size_t size, std::size_t count, std::size_t phase, Visit&&
 }  // namespace
 
 std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shape, ModelCache& cache, Check check,
-                                                    std::uint64_t step) {
+                                                    std::uint64_t step, Pace pace, std::uint64_t& work) {
     const std::lock_guard lock(m_mutex);
+    if (m_building != nullptr && pace == Pace::beside) {
+        return m_model;
+    }
     if (m_model && !m_changed && check == Check::sampled && step != 0 && m_checkedStep == step) {
         return m_model;
     }
@@ -55,20 +61,22 @@ std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shap
     try {
         sourcesOf(shape, m_found);
         described = true;
+        const bool sameSources = m_model && m_found == m_sources;
         const bool unchanged =
-            !m_changed && m_model && m_found == m_sources &&
-            (m_model->mesh ? isUnchanged(thorough ? thoroughly : sampledVertices,
-                                         thorough ? thoroughly : sampledTriangles)
-                           : !thorough);  // what could not be used is read again when a new pair asks
+            !m_changed && sameSources &&
+            (m_building != nullptr ||  // looked at when it is there
+             (m_model->mesh ? isUnchanged(thorough ? thoroughly : sampledVertices,
+                                          thorough ? thoroughly : sampledTriangles)
+                            : !thorough));  // what could not be used is read again when a new pair asks
         if (!unchanged) {
             m_sources.swap(m_found);
-            read(cache);
+            read(cache, pace, sameSources && m_model->mesh, work);
+        } else if (m_building != nullptr && pace == Pace::atOnce) {
+            m_building->work->run();
+            finish();
         }
     } catch (const Error& error) {
-        auto failed = std::make_shared<ShapeModel>();
-        failed->error = error.what();
-        failed->topology = nextTopology();
-        m_model = std::move(failed);
+        fail(error.what());
         if (!described) {
             m_sources.clear();  // so that whatever is described next is read
         }
@@ -85,6 +93,44 @@ void ShapeEntry::notifyChanged() {
 std::shared_ptr<const ShapeModel> ShapeEntry::present() {
     const std::lock_guard lock(m_mutex);
     return m_model;
+}
+
+bool ShapeEntry::isBuilding() const {
+    const std::lock_guard lock(m_mutex);
+    return m_building != nullptr;
+}
+
+std::uint64_t ShapeEntry::goOnBuilding(const Budget& budget) {
+    const std::lock_guard lock(m_mutex);
+    if (m_building == nullptr) {
+        return 0;
+    }
+    try {
+        const std::uint64_t work = m_building->work->run(budget);
+        if (m_building->work->isDone()) {
+            finish();
+        }
+        return work;
+    } catch (const Error& error) {
+        fail(error.what());
+    } catch (...) {
+        m_building.reset();  // out of memory: the stand-in stays, the next step begins anew
+        m_changed = true;
+    }
+    return budget.work;  // of what it did before that there is no count
+}
+
+void ShapeEntry::finish() {
+    m_model = std::move(m_building->made);
+    m_building.reset();
+}
+
+void ShapeEntry::fail(const std::string& error) {
+    m_building.reset();
+    auto failed = std::make_shared<ShapeModel>();
+    failed->error = error;
+    failed->topology = nextTopology();
+    m_model = std::move(failed);
 }
 
 bool ShapeEntry::isUnchanged(std::size_t vertices, std::size_t triangles) {
@@ -115,26 +161,90 @@ bool ShapeEntry::isUnchanged(std::size_t vertices, std::size_t triangles) {
     return true;
 }
 
-void ShapeEntry::read(ModelCache& cache) {
-    ShapeMesh mesh = readMesh(m_sources);
-    auto model = std::make_shared<ShapeModel>();
-    model->parts = std::move(mesh.parts);
-    const MeshModel* old = m_model ? m_model->mesh.get() : nullptr;
-    if (old != nullptr && old->tree.triangles == mesh.triangles && old->tree.vertices.size() == mesh.vertices.size()) {
-        model->topology = m_model->topology;
-        if (std::equal(mesh.vertices.begin(), mesh.vertices.end(), old->tree.vertices.begin(), sameBits)) {
-            model->mesh = m_model->mesh;
-        } else {
-            // The old one may be in use by other shapes and other threads.
-            auto moved = std::make_shared<MeshModel>(*old);
-            refit(*moved, mesh.vertices);
-            model->mesh = std::move(moved);
-        }
-    } else {
-        model->topology = nextTopology();
-        model->mesh = cache.get(mesh.view());
+Sliced ShapeEntry::build(Building& building, ModelCache& cache) {
+    co_await readMeshInSlices(building.sources, building.mesh);
+    const ShapeMesh& mesh = building.mesh;
+    ShapeModel& made = *building.made;
+    made.parts = mesh.parts;
+    const MeshModel* old = building.old ? building.old->mesh.get() : nullptr;
+    bool sameTriangles = old != nullptr && old->tree.triangles.size() == mesh.triangles.size() &&
+                         old->tree.vertices.size() == mesh.vertices.size();
+    if (sameTriangles) {
+        const auto compare = [&](std::size_t begin, std::size_t end) {
+            sameTriangles =
+                sameTriangles && std::equal(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(begin),
+                                            mesh.triangles.begin() + static_cast<std::ptrdiff_t>(end),
+                                            old->tree.triangles.begin() + static_cast<std::ptrdiff_t>(begin));
+        };
+        co_await inPieces(0, mesh.triangles.size(), 64, compare);
     }
-    m_model = std::move(model);
+    if (!sameTriangles) {
+        made.topology = nextTopology();
+        co_await cache.getInSlices(mesh.view(), {.tuningPoses = 0}, made.mesh);
+        co_return;
+    }
+    made.topology = building.old->topology;
+    bool sameVertices = true;
+    const auto compare = [&](std::size_t begin, std::size_t end) {
+        sameVertices =
+            sameVertices && std::equal(mesh.vertices.begin() + static_cast<std::ptrdiff_t>(begin),
+                                       mesh.vertices.begin() + static_cast<std::ptrdiff_t>(end),
+                                       old->tree.vertices.begin() + static_cast<std::ptrdiff_t>(begin), sameBits);
+    };
+    co_await inPieces(0, mesh.vertices.size(), 64, compare);
+    if (sameVertices) {
+        made.mesh = building.old->mesh;
+        co_return;
+    }
+    // The old one may be in use by other shapes and other threads.
+    auto moved = std::make_shared<MeshModel>();
+    co_await copyInSlices(*old, *moved);
+    co_await refitInSlices(*moved, mesh.vertices);
+    made.mesh = std::move(moved);
+}
+
+/// What the shape was, if it was merely edited; else a sample.
+std::shared_ptr<const ShapeModel> ShapeEntry::standIn(bool edited, std::uint64_t& work) const {
+    auto model = std::make_shared<ShapeModel>();
+    model->isStandIn = true;
+    if (edited) {
+        model->mesh = m_model->mesh;
+        model->parts = m_model->parts;
+        model->topology = m_model->topology;
+        return model;
+    }
+    model->topology = nextTopology();
+    const ShapeMesh sample = sampledMesh(m_sources);
+    try {
+        auto mesh = std::make_shared<MeshModel>();
+        Sliced tree = buildInSlices(sample.view(), {.tuningPoses = 0}, mesh->tree);
+        work += tree.run();
+        Sliced rest = makeModelInSlices(*mesh);
+        work += rest.run();
+        model->mesh = std::move(mesh);
+    } catch (const Error&) {
+        model->error = "its tree is being built, and no sample of its triangles has a surface";
+    }
+    return model;
+}
+
+void ShapeEntry::read(ModelCache& cache, Pace pace, bool edited, std::uint64_t& work) {
+    std::size_t triangles = 0;
+    for (const PartSource& source : m_sources) {
+        triangles += static_cast<std::size_t>(source.triangles);
+    }
+    std::shared_ptr<const ShapeModel> old = m_building != nullptr ? m_building->old : m_model;
+    m_building = std::make_unique<Building>();
+    m_building->sources = m_sources;
+    m_building->old = std::move(old);
+    m_building->work.emplace(build(*m_building, cache));
+    if (pace == Pace::inSlices && triangles > 2 * sampledShapeTriangles) {
+        m_model = standIn(edited, work);
+        return;
+    }
+    const std::uint64_t spent = m_building->work->run();
+    work += pace == Pace::inSlices ? spent : 0;
+    finish();
 }
 
 ShapeModels& ShapeModels::instance() {

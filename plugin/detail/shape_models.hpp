@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -25,6 +26,8 @@ struct ShapeModel {
     std::vector<MeshPart> parts;
     std::string error;           ///< why not
     std::uint64_t topology = 0;  ///< the same number: the same triangles, vertices may have moved
+    /// The shape's own model is being built; this is a sample of it (sampled_mesh.hpp), or what it was before an edit.
+    bool isStandIn = false;
 };
 
 /// How thoroughly to look for edits.
@@ -33,22 +36,52 @@ enum class Check {
     thorough,  ///< up to 4096 of each
 };
 
+/// When a model is built that is not there.
+enum class Pace {
+    atOnce,
+    inSlices,  ///< as far as `goOnBuilding` goes; a stand-in until it is done. Small meshes: at once
+    beside,    ///< at once, but what others build in slices is left to them
+};
+
 /// What is known of the shape at one address.
 class ShapeEntry {
   public:
-    /// The shape's model now. Looks at the shape, but only once per `step` if that is not 0.
+    /// The shape's model now. Looks at the shape, but only once per `step` if that is not 0. Adds to `work` (units)
+    /// what is built at once, if the pace is inSlices.
     std::shared_ptr<const ShapeModel> model(const btCollisionShape& shape, ModelCache& cache, Check check,
-                                            std::uint64_t step);
+                                            std::uint64_t step, Pace pace, std::uint64_t& work);
+    std::shared_ptr<const ShapeModel> model(const btCollisionShape& shape, ModelCache& cache, Check check,
+                                            std::uint64_t step) {
+        std::uint64_t work = 0;
+        return model(shape, cache, check, step, Pace::atOnce, work);
+    }
     void notifyChanged();
     /// What is known, without a look at the shape; null: nothing.
     [[nodiscard]] std::shared_ptr<const ShapeModel> present();
 
-  private:
-    [[nodiscard]] bool isUnchanged(std::size_t vertices, std::size_t triangles);
-    void read(ModelCache& cache);
+    [[nodiscard]] bool isBuilding() const;
+    /// Goes on; only while the shape is alive, after `model` has looked at it in this step. Returns the work.
+    std::uint64_t goOnBuilding(const Budget& budget);
 
-    std::mutex m_mutex;
-    std::vector<PartSource> m_sources;  // of m_model
+  private:
+    /// One model on its way.
+    struct Building {
+        std::vector<PartSource> sources;
+        ShapeMesh mesh;
+        std::shared_ptr<const ShapeModel> old;  ///< with the same triangles, perhaps
+        std::shared_ptr<ShapeModel> made = std::make_shared<ShapeModel>();
+        std::optional<Sliced> work;
+    };
+    Sliced build(Building& building, ModelCache& cache);
+    void finish();
+    void fail(const std::string& error);
+    std::shared_ptr<const ShapeModel> standIn(bool edited, std::uint64_t& work) const;
+    [[nodiscard]] bool isUnchanged(std::size_t vertices, std::size_t triangles);
+    void read(ModelCache& cache, Pace pace, bool edited, std::uint64_t& work);
+
+    mutable std::mutex m_mutex;
+    std::unique_ptr<Building> m_building;
+    std::vector<PartSource> m_sources;  // of m_model or m_building
     std::vector<PartSource> m_found;
     std::shared_ptr<const ShapeModel> m_model;
     std::uint64_t m_checkedStep = 0;

@@ -31,7 +31,7 @@ TEST(StandIn, PushesTheRightWayAndNotTooFar) {
         for (int i = 0; i < 20; ++i) {
             const Pose pose = above(0.2F + 0.01F * static_cast<float>(i), 0.3F * static_cast<float>(i));
             std::vector<SurfaceContact> contacts;
-            EXPECT_LE(standInContact(floor, body, pose, {}, 0.03F, standInWork, contacts), standInWork);
+            EXPECT_LE(standInContacts(floor, body, pose, {}, 0.03F, standInWork, contacts), standInWork);
             ++tried;
             for (const SurfaceContact& contact : contacts) {
                 ++found;
@@ -51,7 +51,7 @@ TEST(StandIn, NothingForBodiesApart) {
     const MeshModel ball = modelOf(scenes::bumpySphere(0.4F, 0.05F, 5, 16));
     for (const float height : {0.9F, 0.95F, 1.2F}) {
         std::vector<SurfaceContact> contacts;
-        standInContact(ball, ball, above(height, 0.4F), {}, 0.03F, standInWork, contacts);
+        standInContacts(ball, ball, above(height, 0.4F), {}, 0.03F, standInWork, contacts);
         EXPECT_TRUE(contacts.empty()) << height;
     }
 }

@@ -100,6 +100,24 @@ TEST_F(Drawn, WhatWasCutShortHasAnotherColour) {
     EXPECT_EQ(recorder.lines.at(0).color, DebugDrawOptions().estimatedColor);
 }
 
+TEST_F(Drawn, WhatWaitsForItsTreeToo) {
+    const MeshShape late(scenes::grid(3, 3, 60, 67), Kind::bvh, 0.02_s);
+    Settings settings;
+    settings.frameBudget.work = 5000;
+    BudgetWorld world(settings);
+    world.add(*late, at({0, 0, 0}));
+    world.add(*ball, at({0, 0.55_s, 0}), 1);
+    world.step();
+    ASSERT_EQ(world.stats().degraded, 1);
+    Recorder recorder;
+    ASSERT_EQ(debugDraw(&world.world, &recorder), Status::ok);
+    EXPECT_GT(recorder.boxes.size(), 2U) << "of the sample";
+    ASSERT_EQ(recorder.lines.size(), 1U);
+    EXPECT_EQ(recorder.lines[0].color, DebugDrawOptions().estimatedColor);
+    world.step();
+    EXPECT_EQ(world.stats().degraded, 1) << "drawing has built nothing";
+}
+
 TEST_F(Drawn, RefusedPairsTooAndWithinCompounds) {
     btCompoundShape compound;
     compound.addChildShape(at({0, 0.25_s, 0}), ball.get());
@@ -171,6 +189,8 @@ TEST_F(Drawn, ModeAndOptionsAreKept) {
 }
 
 TEST_F(Drawn, ChangesNothingAndBuildsNothing) {
+    ASSERT_EQ(prebuild(ball.get()), Status::ok);
+    ASSERT_EQ(prebuild(floor.get()), Status::ok);
     const auto run = [&](bool drawing) {
         BudgetWorld world(poor);
         fill(world);

@@ -125,6 +125,62 @@ std::string nameOf(const testing::TestParamInfo<Theirs>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(All, Shadowed, testing::Values(Theirs::nobody, Theirs::gimpact, Theirs::ours), nameOf);
 
+/// Steps with a stand-in, and poses, of a floor that no cache knows.
+std::pair<int, std::vector<std::uint64_t>> late(int cells, bool shadowed) {
+    const MeshShape ball(scenes::sphere(0.5F, 6), Kind::mesh, 0.02_s);
+    MeshShape floor(scenes::grid(3, 3, 60, 60), Kind::bvh, 0.02_s);
+    floor.mesh.vertices[0].y() -= 0.001F * static_cast<float>(cells);  // far from the ball
+    EXPECT_EQ(prebuild(ball.get()), Status::ok);
+    Settings settings;
+    settings.frameBudget.work = 3000;
+    BudgetWorld world(settings);
+    world.add(*floor, at({0, 0, 0}));
+    world.add(*ball, at({0.1_s, 0.55_s, 0.2_s}), 1).setActivationState(DISABLE_DEACTIVATION);
+    Shadow shadow;
+    int degraded = 0;
+    std::vector<std::uint64_t> hashes;
+    for (int i = 0; i < 120; ++i) {
+        world.step();
+        degraded += world.stats().degraded;
+        if (shadowed) {
+            EXPECT_EQ(shadow.observe(&world.world), Status::ok);
+            EXPECT_EQ(shadow.pairs().size(), 1U);
+        }
+        hashes.push_back(hashOf(world));
+    }
+    EXPECT_EQ(shadow.totals().degraded > 0, shadowed);
+    return {degraded, hashes};
+}
+
+TEST(Shadow, LeavesTreesOnTheirWayAlone) {
+    const auto with = late(1, true);
+    const auto without = late(2, false);
+    EXPECT_GT(with.first, 10);
+    EXPECT_EQ(with.first, without.first);
+    EXPECT_EQ(with.second, without.second);
+}
+
+TEST(Shadow, SeesEdits) {
+    MeshShape block(scenes::box({0.5F, 0.5F, 0.5F}, 2), Kind::bvh, 0.01_s);
+    const MeshShape floor(scenes::box({1.5F, 0.5F, 1.5F}, 2), Kind::bvh, 0.01_s);
+    TestWorld world({}, false);
+    world.add(*floor, at({0, 0, 0}));
+    btRigidBody& body = world.add(*block, at({0, 0.95_s, 0}), 1);
+    world.world.setGravity({0, 0, 0});
+    world.step();
+    Shadow shadow;
+    ASSERT_EQ(shadow.observe(&world.world), Status::ok);
+    ASSERT_EQ(shadow.pairs().size(), 1U);
+    EXPECT_NEAR(shadow.pairs()[0].ours.depth, 0.07, 0.01);
+    for (Eigen::Vector3f& vertex : block.mesh.vertices) {
+        vertex.y() *= 0.94F;
+    }
+    world.step();
+    ASSERT_EQ(shadow.observe(&world.world), Status::ok);
+    EXPECT_EQ(body.getWorldTransform().getOrigin().y(), 0.95_s);
+    EXPECT_NEAR(shadow.pairs().at(0).ours.depth, 0.04, 0.01);
+}
+
 TEST(Shadow, SeesWhatPlainBulletMisses) {
     const MeshShape block(scenes::box({0.5F, 0.5F, 0.5F}, 2), Kind::bvh, 0.01_s);
     TestWorld world({}, false);

@@ -57,7 +57,11 @@ class World {
 
 /// Bumpy balls and tori in a bowl of walls, some rolling on a plane beside it.
 struct Scene {
-    explicit Scene(float radius = 0.4F) : ball(scenes::bumpySphere(radius, 0.08F, 5, 10), Kind::mesh, 0.02_s) {}
+    explicit Scene(float radius = 0.4F) : ball(scenes::bumpySphere(radius, 0.08F, 5, 10), Kind::mesh, 0.02_s) {
+        for (const MeshShape* shape : {&ball, &torus, &floor}) {
+            EXPECT_EQ(prebuild(shape->get()), Status::ok);
+        }
+    }
 
     MeshShape ball;
     MeshShape torus{scenes::torus(0.4F, 0.15F, 32, 16), Kind::bvh, 0.02_s};
@@ -355,6 +359,65 @@ TEST_F(Refused, OtherWorlds) {
     world.bodies[2]->setCollisionShape(scene.torus.get());
     world.bodies[3]->setCollisionShape(scene.ball.get());
     expect(bytes, Status::otherWorld);
+}
+
+/// A ball, whose tree is there, on a floor too large for one frame.
+struct Late {
+    explicit Late(int cells) : floor(scenes::grid(3, 3, 60, cells), Kind::bvh, 0.02_s) {
+        EXPECT_EQ(prebuild(ball.get()), Status::ok);
+    }
+    MeshShape ball{scenes::sphere(0.5F, 6), Kind::mesh, 0.02_s};
+    MeshShape floor;
+
+    void fill(World<btSimpleBroadphase>& world) const {
+        Settings settings;
+        settings.frameBudget.work = 500;
+        ASSERT_EQ(registerAlgorithms(&world.dispatcher, settings), Status::ok);
+        world.add(*floor, at({0, 0, 0}));
+        world.add(*ball, at({0.1_s, 0.55_s, 0.2_s}), 1).setActivationState(DISABLE_DEACTIVATION);
+    }
+};
+
+TEST(State, AWorldThatStillBuildsIsSavedWhenItsTreesAreThere) {
+    const Late scene(71);
+    World<btSimpleBroadphase> whole;
+    scene.fill(whole);
+    whole.step(3);
+    ASSERT_EQ(whole.stats().degraded, 1) << "a stand-in";
+    std::vector<std::byte> bytes(3);
+    EXPECT_EQ(saveState(&whole.world, bytes), Status::stillBuilding);
+    EXPECT_TRUE(bytes.empty());
+    ASSERT_EQ(prebuild(scene.floor.get()), Status::ok);
+    EXPECT_EQ(saveState(&whole.world, bytes), Status::stillBuilding) << "what the pair knows is the stand-in's";
+    whole.step();
+    bytes = saved(whole);
+    const std::vector<std::uint64_t> expected = trace(whole, 60);
+    World<btSimpleBroadphase> again;
+    scene.fill(again);
+    ASSERT_EQ(restoreState(&again.world, bytes), Status::ok);
+    EXPECT_EQ(trace(again, 60), expected);
+}
+
+TEST(State, RestoringFinishesWhatIsBeingBuilt) {
+    std::vector<std::byte> bytes;
+    std::vector<std::uint64_t> expected;
+    {
+        const Late scene(73);
+        ASSERT_EQ(prebuild(scene.floor.get()), Status::ok);
+        World<btSimpleBroadphase> whole;
+        scene.fill(whole);
+        whole.step(40);
+        bytes = saved(whole);
+        expected = trace(whole, 60);
+    }
+    const Late scene(73);
+    World<btSimpleBroadphase> again;
+    scene.fill(again);
+    again.step(2);
+    ASSERT_EQ(again.stats().degraded, 1) << "even a tree that is in the cache takes some frames to be found";
+    ASSERT_EQ(restoreState(&again.world, bytes), Status::ok);
+    EXPECT_TRUE(saved(again) == bytes);
+    EXPECT_EQ(trace(again, 60), expected);
 }
 
 TEST(State, ErrorsHaveNames) {
