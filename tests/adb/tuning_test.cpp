@@ -65,10 +65,13 @@ TEST(Tuning, IsTheSameHoweverItIsAskedFor) {
     EXPECT_EQ(later.rateOctaves, 0);
     tune(later, BuildSettings().tuningPoses);
     EXPECT_EQ(later.rateOctaves, built.rateOctaves);
+    EXPECT_EQ(later.firstRates, built.firstRates);
     tune(later, BuildSettings().tuningPoses);  // what it was tuned to before does not count
     EXPECT_EQ(later.rateOctaves, built.rateOctaves);
+    EXPECT_EQ(later.firstRates, built.firstRates);
     tune(later, 0);
     EXPECT_EQ(later.rateOctaves, 0);
+    EXPECT_EQ(later.firstRates, 1);
 }
 
 TEST(Tuning, HasNoUnit) {
