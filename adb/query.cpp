@@ -245,7 +245,7 @@ float Query::State::collisionProbability() const {
     if (cut.steps == 0) {
         return wholeProbability;
     }
-    return estimating ? probabilityAfter(*limits.calibration, cut.rate, cut.steps)
+    return estimating ? probabilityAfter(*limits.calibration, detail::tunedRate(descent, cut), cut.steps)
                       : probabilityAfterwards(*limits.calibration, cut.rate, descent.work - exactFrom);
 }
 

@@ -95,6 +95,7 @@ struct Tree {
     WholeSurface whole;
     float radius = 0;       ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
     float rateOctaves = 0;  ///< added to the log2 of every rate of the mesh against itself (see tuning.hpp); -4..4
+    float firstRates = 1;   ///< the sum of the rates after the first step is multiplied with this; 2^-8..2^8
 
     [[nodiscard]] MeshView mesh() const { return {vertices, triangles}; }
 };

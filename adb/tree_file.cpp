@@ -39,7 +39,7 @@ struct Header {
     ContentKey mesh;
     std::int32_t maxLeafTriangles = 0, bins = 0, tuningPoses = 0, nothing = 0;
     std::array<float, 8> bounds{};  ///< lower, upper, radius, nothing
-    std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, rateOctaves, nothing
+    std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, rateOctaves, firstRates, nothing
     ContentKey arrays;
     ContentKey own;  ///< of all before it
 };
@@ -206,6 +206,7 @@ void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesy
     }
     header.whole[16] = tree.whole.unit;
     header.whole[17] = tree.rateOctaves;
+    header.whole[18] = tree.firstRates;
     header.arrays = arraysHash(tree);
     header.own = ownHash(header);
     Draft draft(file);
@@ -281,6 +282,7 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
     }
     tree.whole.unit = header.whole[16];
     tree.rateOctaves = header.whole[17];
+    tree.firstRates = header.whole[18];
     requireSound(tree, file);
     if (!sameContent(tree.mesh(), mesh)) {
         fail("belongs to another mesh of the same hash", file);

@@ -49,9 +49,10 @@ std::vector<Step> watch(const Tree& tree, int poses, const RateFormula& formula)
     return seen;
 }
 
-/// Where the probabilities come true in sum. Their excess over the truth is the derivative of the log-likelihood by the
-/// octaves, up to a factor, as far as the table is a logistic curve; and it rises with the octaves.
-float octavesFor(const std::vector<Step>& seen, const Calibration& calibration) {
+/// Where the probabilities of the first step, or of the later ones, come true in sum. Their excess over the truth is
+/// the derivative of the log-likelihood by the octaves, up to a factor, as far as the table is a logistic curve; and it
+/// rises with the octaves.
+float octavesFor(const std::vector<Step>& seen, const Calibration& calibration, bool first) {
     float low = -mostOctaves;
     float high = mostOctaves;
     for (int i = 0; i < halvings; ++i) {
@@ -59,7 +60,9 @@ float octavesFor(const std::vector<Step>& seen, const Calibration& calibration) 
         const float factor = std::exp2(octaves);
         double excess = prior * octaves;
         for (const Step& step : seen) {
-            excess += probabilityAfter(calibration, factor * step.rate, step.steps) - (step.collides ? 1.0 : 0.0);
+            if ((step.steps == 1) == first) {
+                excess += probabilityAfter(calibration, factor * step.rate, step.steps) - (step.collides ? 1.0 : 0.0);
+            }
         }
         (excess > 0 ? high : low) = octaves;
     }
@@ -71,12 +74,14 @@ float octavesFor(const std::vector<Step>& seen, const Calibration& calibration) 
 void tune(Tree& tree, int poses, const Calibration& calibration) {
     detail::requireSetting(poses >= 0 && poses <= 10'000, "BuildSettings::tuningPoses", poses);
     tree.rateOctaves = 0;
+    tree.firstRates = 1;
     if (poses == 0 || tree.nodes.empty()) {
         return;
     }
     const std::vector<Step> seen = watch(tree, poses, calibration.formula);
     if (!seen.empty()) {
-        tree.rateOctaves = octavesFor(seen, calibration);
+        tree.rateOctaves = octavesFor(seen, calibration, false);
+        tree.firstRates = std::exp2(octavesFor(seen, calibration, true) - tree.rateOctaves);
     }
 }
 

@@ -268,6 +268,7 @@ Sliced copyInSlices(const MeshModel& from, MeshModel& to) {
     to.tree.whole = from.tree.whole;
     to.tree.radius = from.tree.radius;
     to.tree.rateOctaves = from.tree.rateOctaves;
+    to.tree.firstRates = from.tree.firstRates;
     co_await copy(from.tree.nodes, to.tree.nodes);
     co_await copy(from.tree.distributions, to.tree.distributions);
     co_await copy(from.tree.leaves, to.tree.leaves);

@@ -13,7 +13,8 @@ inline namespace GRAPESHOT_PRECISION {
 
 /// Vertices or indices of a mesh were edited in place. Scale, margins, new arrays and other counts are noticed without
 /// it; of edits in place, those that touch one of the 64 vertices or 16 triangles looked at in each step (other ones
-/// each time). With the same triangles, the tree is refitted, else built anew, when the shape is met next.
+/// each time). When the shape is met next its tree is refitted if it has the same triangles and a pair with it was
+/// there all the while, else built anew.
 void notifyChanged(const btCollisionShape* shape) noexcept;
 
 /// Builds the tree of a mesh shape now (about 2 us per triangle) instead of when it first comes near another. Shapes
@@ -23,7 +24,8 @@ void notifyChanged(const btCollisionShape* shape) noexcept;
 /// of a quarter of each frame's budget and what the pairs leave of it, while a pair with the shape is there; 64 units a
 /// frame whatever the budget. Until then 256 of its triangles, each three times as wide as its share of the surface,
 /// stand in for it (about 4,000 units, once, beyond the budget if need be; up to 512 triangles: the tree itself); for
-/// an edited shape, what it was before. Such pairs count as degraded. Everywhere else, at once.
+/// an edited shape, what it was before. Such pairs count as degraded. Everywhere else, at once. How soon it is there
+/// depends on what the process has met before: for the same bytes in every run, call this.
 Status prebuild(const btCollisionShape* shape) noexcept;
 
 /// Trees of all shapes of the process are kept in this folder too from now on, and read from it, which takes a tenth of

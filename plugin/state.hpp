@@ -35,9 +35,10 @@ Status saveState(btCollisionWorld* world, std::vector<std::byte>& out) noexcept;
 ///
 /// The steps that follow give the same bytes as in the world that was saved, if all contacts are ours, joints are none,
 /// and the broadphase has no memory (btSimpleBroadphase), or pairs are processed in a fixed order
-/// (m_deterministicOverlappingPairs) and its memory changes no island: btDbvtBroadphase keeps pairs that have parted
-/// for a while; and, under a limited frameBudget, all meshes of both worlds were prebuilt, since who meets a new one
-/// pays for its tree. Else they are as good, but not the same.
+/// (m_deterministicOverlappingPairs) and its memory changes nothing: btDbvtBroadphase keeps pairs that have parted for
+/// a while, which may join islands, have a part in a frame's budget, or come back with what they knew; and, under a
+/// limited frameBudget, all meshes of both worlds were prebuilt, since who meets a new one pays for its tree. Else they
+/// are as good, but not the same.
 /// @return as saveState; badState: the bytes are no saved state, are cut off or changed, or of another version or
 /// precision; otherWorld: other bodies, shapes, meshes or filters. Then nothing is changed. outOfMemory: pairs may be
 /// missing, and are found anew.

@@ -1,6 +1,7 @@
 // The descent into two trees at once: a stack of node pairs, taken up nearest first.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -25,6 +26,7 @@ struct Descent {
     std::size_t depth = 0;
     std::size_t capacity = 0;          ///< of both, at least stackRoom more than `depth`
     float rateOctaves = 0;             ///< what the two trees add to the log2 of every rate
+    float firstRates = 1;              ///< and multiply the sum of the first step's rates with
     void (*grow)(Descent&) = nullptr;  ///< makes the capacity larger
     void* owner = nullptr;             ///< for `grow`
     std::uint64_t work = 0;            ///< units spent
@@ -52,6 +54,7 @@ inline void setTrees(Descent& descent, const Tree& a, const Tree& b) noexcept {
     descent.leavesA = a.leaves.data();
     descent.leavesB = b.leaves.data();
     descent.rateOctaves = 0.5F * (a.rateOctaves + b.rateOctaves);
+    descent.firstRates = std::sqrt(a.firstRates * b.firstRates);
 }
 
 [[nodiscard]] inline const LeafBlock& blockA(const Descent& descent, SidePair leaves) noexcept {

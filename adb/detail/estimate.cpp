@@ -40,10 +40,11 @@ EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, c
         }
         if (cut.steps > 0) {
             const std::size_t row = Calibration::rowOf(cut.steps);
-            if (cut.rate >= limits.yes[row] || cut.rate <= limits.no[row]) {
+            const float rate = tunedRate(descent, cut);
+            if (rate >= limits.yes[row] || rate <= limits.no[row]) {
                 return EstimateEnd::limit;
             }
-            if (cut.rate > limits.doubtFrom[row] && cut.rate < limits.doubtTo[row] && mostSteps != endlessSteps) {
+            if (rate > limits.doubtFrom[row] && rate < limits.doubtTo[row] && mostSteps != endlessSteps) {
                 return EstimateEnd::handOver;
             }
         }

@@ -63,6 +63,11 @@ inline void startCut(Cut& cut) noexcept {
     cut.steps = 0;
 }
 
+/// The sum of the rates as the calibration knows it.
+[[nodiscard]] inline float tunedRate(const Descent& descent, const Cut& cut) noexcept {
+    return cut.steps == 1 ? descent.firstRates * cut.rate : cut.rate;
+}
+
 /// Of `mostSteps`: the estimate never hands over while the cut is not too large.
 inline constexpr std::uint32_t endlessSteps = std::numeric_limits<std::uint32_t>::max();
 

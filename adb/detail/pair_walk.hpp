@@ -23,6 +23,7 @@ class PairWalk {
     /// One more step of the estimate from the root on.
     EstimateEnd estimate(const RateFormula& formula);
     [[nodiscard]] const Cut& cut() const { return m_cut; }
+    [[nodiscard]] float tunedRate() const { return detail::tunedRate(m_descent, m_cut); }
     /// The entry of the cut with the largest rate, after one step or more.
     [[nodiscard]] SidePair likeliest() const;
     /// D^2 of the two whole surfaces in the last pose.

@@ -70,7 +70,7 @@ std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shap
                             : !thorough));  // what could not be used is read again when a new pair asks
         if (!unchanged) {
             m_sources.swap(m_found);
-            read(cache, pace, sameSources && m_model->mesh, work);
+            read(cache, pace, sameSources && m_model->mesh && !m_letGo, work);
         } else if (m_building != nullptr && pace == Pace::atOnce) {
             m_building->work->run();
             finish();
@@ -81,13 +81,18 @@ std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shap
             m_sources.clear();  // so that whatever is described next is read
         }
     }
-    m_changed = false;
+    m_changed = m_letGo = false;
     return m_model;
 }
 
 void ShapeEntry::notifyChanged() {
     const std::lock_guard lock(m_mutex);
     m_changed = true;
+}
+
+void ShapeEntry::letGo() {
+    const std::lock_guard lock(m_mutex);
+    m_letGo = true;
 }
 
 std::shared_ptr<const ShapeModel> ShapeEntry::present() {
@@ -236,7 +241,7 @@ void ShapeEntry::read(ModelCache& cache, Pace pace, bool edited, std::uint64_t& 
     std::shared_ptr<const ShapeModel> old = m_building != nullptr ? m_building->old : m_model;
     m_building = std::make_unique<Building>();
     m_building->sources = m_sources;
-    m_building->old = std::move(old);
+    m_building->old = m_letGo ? nullptr : std::move(old);
     m_building->work.emplace(build(*m_building, cache));
     if (pace == Pace::inSlices && triangles > 2 * sampledShapeTriangles) {
         m_model = standIn(edited, work);
@@ -258,6 +263,9 @@ std::shared_ptr<ShapeEntry> ShapeModels::entry(const btCollisionShape& shape) {
     Place& place = m_entries[&shape];
     if (!place.entry) {
         place.entry = std::make_shared<ShapeEntry>();
+    }
+    if (place.entry.use_count() == 1) {
+        place.entry->letGo();
     }
     place.lastUse = ++m_use;
     std::shared_ptr<ShapeEntry> found = place.entry;

@@ -56,6 +56,8 @@ class ShapeEntry {
         return model(shape, cache, check, step, Pace::atOnce, work);
     }
     void notifyChanged();
+    /// Nobody holds it: until the next look another shape may take the address, whose tree must not depend on this one.
+    void letGo();
     /// What is known, without a look at the shape; null: nothing.
     [[nodiscard]] std::shared_ptr<const ShapeModel> present();
 
@@ -88,6 +90,7 @@ class ShapeEntry {
     std::uint64_t m_thoroughStep = 0;
     std::size_t m_cursor = 0;  // where the next sample begins
     bool m_changed = false;
+    bool m_letGo = false;
 };
 
 /// All entries of the process: a shape may be used in several worlds.

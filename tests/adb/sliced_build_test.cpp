@@ -28,6 +28,7 @@ void expectSame(const Tree& a, const Tree& b) {
     EXPECT_EQ(a.upper, b.upper);
     EXPECT_EQ(a.radius, b.radius);
     EXPECT_EQ(a.rateOctaves, b.rateOctaves);
+    EXPECT_EQ(a.firstRates, b.firstRates);
     EXPECT_EQ(std::memcmp(a.whole.mean, b.whole.mean, sizeof(a.whole.mean)), 0);
     EXPECT_EQ(std::memcmp(a.whole.covariance, b.whole.covariance, sizeof(a.whole.covariance)), 0);
     EXPECT_EQ(a.whole.unit, b.whole.unit);

@@ -65,10 +65,13 @@ TEST(Tuning, IsTheSameHoweverItIsAskedFor) {
     EXPECT_EQ(later.rateOctaves, 0);
     tune(later, BuildSettings().tuningPoses);
     EXPECT_EQ(later.rateOctaves, built.rateOctaves);
+    EXPECT_EQ(later.firstRates, built.firstRates);
     tune(later, BuildSettings().tuningPoses);  // what it was tuned to before does not count
     EXPECT_EQ(later.rateOctaves, built.rateOctaves);
+    EXPECT_EQ(later.firstRates, built.firstRates);
     tune(later, 0);
     EXPECT_EQ(later.rateOctaves, 0);
+    EXPECT_EQ(later.firstRates, 1);
 }
 
 TEST(Tuning, HasNoUnit) {
@@ -107,14 +110,14 @@ TEST(Tuning, BadSettingsAreNamed) {
     }
 }
 
-/// A clear pose that the estimate leaves open, and that takes another number of steps without it.
+/// A colliding pose that the estimate leaves open, and that takes another number of steps without it.
 Pose openPose(const Tree& tree) {
-    for (const Pose& pose : grazingPoses(tree, tree, 60, 0.004, 5)) {
+    for (const Pose& pose : grazingPoses(tree, tree, 60, -0.004, 5)) {
         Query query(tree, tree);
         Query exact(tree, tree);
         const Decision truth = exact.decide(pose, DecideSettings::exact());
         const Decision decision = query.decide(pose);
-        if (!truth.collides && decision.certain && decision.work != truth.work) {
+        if (truth.collides && decision.certain && decision.work != truth.work) {
             return pose;
         }
     }
@@ -127,7 +130,7 @@ TEST(AdaptiveDecisions, LeaveOutEstimatesThatSaveNothing) {
     const Pose pose = openPose(tree);
     Query exactly(tree, tree);
     const Decision exact = exactly.decide(pose, DecideSettings::exact());
-    ASSERT_FALSE(exact.collides);
+    ASSERT_TRUE(exact.collides);
     DecideSettings settings;
     settings.tryWitness = false;
     Query adaptive(tree, tree);

@@ -99,7 +99,7 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
             if (walk.estimate(formula) != detail::EstimateEnd::budget || walk.cut().rate <= 0) {
                 break;  // certain
             }
-            tables.bySteps[Calibration::rowOf(step)].emplace_back(walk.cut().rate, collides);
+            tables.bySteps[Calibration::rowOf(step)].emplace_back(walk.tunedRate(), collides);
             if (step == DecideSettings().estimateSteps) {
                 std::uint64_t exactSteps = 0;
                 if (walk.overlapsBelowCut(exactSteps) != collides) {
@@ -126,13 +126,16 @@ void fillRows(const SeenRows& seen, Table& table) {
 
 /// As `build` will, but for the mean, which belongs to the table.
 void tuneAll(std::vector<Tree>& trees, const Calibration& calibration) {
-    float mean = 0;
+    float octaves = 0;
+    float first = 0;
     for (Tree& tree : trees) {
         tune(tree, BuildSettings().tuningPoses, calibration);
-        mean += tree.rateOctaves / static_cast<float>(trees.size());
+        octaves += tree.rateOctaves / static_cast<float>(trees.size());
+        first += std::log2(tree.firstRates) / static_cast<float>(trees.size());
     }
     for (Tree& tree : trees) {
-        tree.rateOctaves -= mean;
+        tree.rateOctaves -= octaves;
+        tree.firstRates *= std::exp2(-first);
     }
 }
 

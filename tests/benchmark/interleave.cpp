@@ -26,7 +26,7 @@ Contender contender(const Peer& peer, std::span<const Pose> poses) {
 std::vector<Times> interleaved(const std::vector<Contender>& contenders, std::size_t questions, int repetitions) {
     // Long enough that the fastest are not measured on what the one before left in the caches.
     constexpr std::size_t chunk = 2000;
-    constexpr std::size_t warmUp = 100;
+    constexpr std::size_t warmUp = 500;
     std::vector<Times> times(contenders.size());
     std::size_t yes = 0;
     for (int repetition = 0; repetition < repetitions; ++repetition) {

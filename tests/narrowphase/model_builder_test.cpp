@@ -26,6 +26,7 @@ void expectSame(const MeshModel& a, const MeshModel& b) {
     EXPECT_TRUE(sameBytes(a.tree.leaves, b.tree.leaves));
     EXPECT_EQ(a.tree.vertices, b.tree.vertices);
     EXPECT_EQ(a.tree.rateOctaves, b.tree.rateOctaves);
+    EXPECT_EQ(a.tree.firstRates, b.tree.firstRates);
     EXPECT_EQ(a.topology.welded, b.topology.welded);
     EXPECT_EQ(a.topology.across, b.topology.across);
     EXPECT_EQ(a.topology.ring, b.topology.ring);

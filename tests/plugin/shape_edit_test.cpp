@@ -4,6 +4,7 @@
 #include <limits>
 #include <new>
 
+#include <grapeshot/adb/tree_file.hpp>
 #include <grapeshot/plugin/detail/shape_models.hpp>
 
 #include "bullet_fixture.hpp"
@@ -115,6 +116,21 @@ TEST_F(Entries, AnotherShapeAtTheSameAddressIsAnotherShape) {
     shape->~btGImpactMeshShape();
     EXPECT_NE(first, second);
     EXPECT_EQ(second->mesh->tree.vertices[1234], large.mesh.vertices[1234]);
+}
+
+TEST(ShapeEdit, ATreeDoesNotDependOnWhatWasAtTheAddressBefore) {
+    const MeshShape round(scenes::bumpySphere(1, 0, 5, 8), Kind::bvh);
+    const MeshShape bumpy(scenes::bumpySphere(1, 0.3F, 5, 8), Kind::bvh);
+    ASSERT_EQ(round.mesh.triangles, bumpy.mesh.triangles);
+    alignas(btGImpactMeshShape) unsigned char place[sizeof(btGImpactMeshShape)];
+    for (const MeshShape* source : {&round, &bumpy, &round}) {
+        auto* shape = new (place) btGImpactMeshShape(source->arrays.get());
+        EXPECT_EQ(prebuild(shape), Status::ok);
+        const auto model = detail::ShapeModels::instance().present(*shape);
+        shape->~btGImpactMeshShape();
+        ASSERT_TRUE(model && model->mesh);
+        EXPECT_EQ(contentKey(model->mesh->tree), contentKey(build(source->mesh.view(), {.tuningPoses = 0})));
+    }
 }
 
 TEST(ShapeEdit, PrebuildSaysWhetherItCan) {
