@@ -222,11 +222,12 @@ bool Query::State::lookAtWholes() {
     return false;
 }
 
-/// Estimates in a row that saved nothing, after which all but one of as many are left out.
+/// Estimates in a row that saved nothing, after which all but one of so many are left out.
 constexpr std::uint32_t patience = 8;
+constexpr std::uint32_t oneOf = 16;
 
 bool Query::State::leavesEstimateOut(const Budget& budget) const {
-    return settings.adaptive && fruitless >= patience && fruitless % patience != 0 &&
+    return settings.adaptive && fruitless >= patience && fruitless % oneOf != 0 &&
            settings.estimateSteps < detail::endlessSteps && budget.work == unlimited && budget.time == never;
 }
 

@@ -44,9 +44,9 @@ struct DecideSettings {
     Order order = Order::depthFirst;  ///< of the exact traversal if there is no estimate before it; else depth first
     bool tryWitness = true;  ///< take up the pair that the last decision found first: one unit, good for smooth motion
 
-    /// After eight estimates in a row that came to no limit, as with bodies that rest on each other, only every eighth
-    /// decision is estimated, until that settles one; the others are exact. Which ones belongs to the query, so an
-    /// answer may depend on the decisions before it; false: never on them. Only without a limited budget.
+    /// After eight estimates in a row that came to no limit, as with bodies that rest on each other, only every
+    /// sixteenth decision is estimated, until that settles one; the others are exact. Which ones belongs to the query,
+    /// so an answer may depend on the decisions before it; false: never on them. Only without a limited budget.
     bool adaptive = true;
 
     [[nodiscard]] static DecideSettings exact(Order order = Order::depthFirst) {
