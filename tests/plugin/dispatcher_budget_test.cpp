@@ -19,6 +19,7 @@ struct Pile {
     MeshShape floor{scenes::box({1.5F, 0.5F, 1.5F}, 12), Kind::bvh, 0.02_s};
     MeshShape wall{scenes::box({0.5F, 4, 2.5F}, 6), Kind::bvh, 0.02_s};
     static constexpr int count = 12;
+    btScalar nudge = 0;  ///< of the bodies at the start, m: another pile of the same kind
 
     template <class World>
     void fill(World& world) const {
@@ -29,11 +30,11 @@ struct Pile {
         }
         for (int i = 0; i < count; ++i) {
             const MeshShape& shape = i % 2 == 0 ? ball : torus;
-            btRigidBody& body = world.add(
-                *shape,
-                at({0.5_s * btScalar(i % 3) - 0.5_s, 0.6_s + 0.45_s * btScalar(i), 0.4_s * btScalar(i % 4) - 0.6_s},
-                   btQuaternion({1, 0.3_s, 0.1_s}, btScalar(i))),
-                1 + btScalar(i % 3));
+            btRigidBody& body = world.add(*shape,
+                                          at({0.5_s * btScalar(i % 3) - 0.5_s + nudge, 0.6_s + 0.45_s * btScalar(i),
+                                              0.4_s * btScalar(i % 4) - 0.6_s},
+                                             btQuaternion({1, 0.3_s, 0.1_s}, btScalar(i))),
+                                          1 + btScalar(i % 3));
             body.setActivationState(DISABLE_DEACTIVATION);
         }
     }
@@ -100,40 +101,46 @@ std::uint64_t workUnbudgeted(const Pile& pile) {
 }
 
 TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
-    const Pile pile;
+    Pile pile;
     const Judge judge(pile);
     const std::uint64_t whole = workUnbudgeted(pile);
     ASSERT_GT(whole, 400U);
+    constexpr int piles = 8;  // how deep the worst moment of a single one is is chance
     for (const std::uint64_t part : {4U, 20U}) {
-        Settings settings;
-        settings.frameBudget.work = whole / part;
-        BudgetWorld world(settings);
-        pile.fill(world);
-        int degraded = 0;
-        btScalar fastest = 0;
-        double deepest = 0;
-        std::uint64_t work = 0;
-        for (int i = 0; i < steps; ++i) {
-            world.step();
-            const StepStatistics& s = world.stats();
-            ASSERT_LE(s.work, std::max(s.budget, s.mandatory)) << "step " << i;
-            EXPECT_EQ(s.budget, whole / part);
-            EXPECT_LE(s.mandatory, s.pairs.size() * 88);
-            work += s.work;
-            degraded += s.degraded;
-            if (i > 60 && i % 10 == 0) {
-                deepest = std::max(deepest, judge.deepest(world));
+        double sum = 0;
+        for (int k = 0; k < piles; ++k) {
+            pile.nudge = 0.001_s * btScalar(k);
+            Settings settings;
+            settings.frameBudget.work = whole / part;
+            BudgetWorld world(settings);
+            pile.fill(world);
+            int degraded = 0;
+            btScalar fastest = 0;
+            double deepest = 0;
+            std::uint64_t work = 0;
+            for (int i = 0; i < steps; ++i) {
+                world.step();
+                const StepStatistics& s = world.stats();
+                ASSERT_LE(s.work, std::max(s.budget, s.mandatory)) << "step " << i;
+                EXPECT_EQ(s.budget, whole / part);
+                EXPECT_LE(s.mandatory, s.pairs.size() * 88);
+                work += s.work;
+                degraded += s.degraded;
+                if (i > 60 && i % 10 == 0) {
+                    deepest = std::max(deepest, judge.deepest(world));
+                }
+                for (const auto& body : world.bodies) {
+                    fastest = btMax(fastest, body->getLinearVelocity().length());
+                }
             }
-            for (const auto& body : world.bodies) {
-                fastest = btMax(fastest, body->getLinearVelocity().length());
-            }
+            EXPECT_EQ(Pile::lost(world), 0) << "1/" << part;
+            EXPECT_GT(degraded, 10);
+            EXPECT_GT(work, 0U);
+            EXPECT_LT(fastest, 12) << "1/" << part;                     // the fall from the top is 10 m/s
+            EXPECT_LT(deepest, 0.2) << "1/" << part << ", pile " << k;  // half of a body's radius
+            sum += deepest;
         }
-        EXPECT_EQ(Pile::lost(world), 0) << "1/" << part;
-        EXPECT_GT(degraded, 10);
-        EXPECT_GT(work, 0U);
-        EXPECT_LT(fastest, 12) << "1/" << part;  // the fall from the top is 10 m/s
-        // A tenth and a fifth of a body's radius.
-        EXPECT_LT(deepest, part == 4 ? 0.04 : 0.08) << "1/" << part;
+        EXPECT_LT(sum / piles, 0.04) << "1/" << part;  // a tenth of it
     }
 }
 
