@@ -146,7 +146,7 @@ float probabilityAfterwards(const Calibration& calibration, float rate, std::uin
 }
 
 float probabilityOfRegion(const Calibration& calibration, float rate, std::uint64_t steps) noexcept {
-    return interpolated(calibration.regions[Calibration::rowOf(steps)], rate);
+    return interpolated(calibration.regions[Calibration::regionRowOf(steps)], rate);
 }
 
 float knotRate(std::size_t knot) noexcept {

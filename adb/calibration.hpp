@@ -23,14 +23,22 @@ struct RateFormula {
 
 /// A formula and a table, fitted together. A value; immutable once it is in use.
 struct Calibration {
-    static constexpr int version = 2;            ///< of the text form
-    static constexpr std::size_t stepRows = 8;   ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
-    static constexpr std::size_t afterRows = 8;  ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
-    static constexpr std::size_t knots = 41;     ///< rates 2^-10, 1.5 2^-10, 2^-9, ..., 2^10
-    /// The row of so many steps, 1 or more.
+    static constexpr int version = 3;             ///< of the text form
+    static constexpr std::size_t stepRows = 21;   ///< steps 1 to 16 each, 17-24, 25-32, 33-48, 49-64, more
+    static constexpr std::size_t regionRows = 8;  ///< steps 1, 2, 3-4, 5-8, 9-16, 17-32, 33-64, more
+    static constexpr std::size_t afterRows = 8;   ///< exact steps after the estimate: 0-3, 4-7, 8-15, ..., 256 and more
+    static constexpr std::size_t knots = 41;      ///< rates 2^-10, 1.5 2^-10, 2^-9, ..., 2^10
+    /// The row of so many steps, 1 or more. One step more takes about a sixth off what a rate is worth, so the first
+    /// ones share no row.
     [[nodiscard]] static constexpr std::size_t rowOf(std::uint64_t steps) noexcept {
+        if (steps <= 16) {
+            return static_cast<std::size_t>(steps - 1);
+        }
+        return steps <= 24 ? 16 : steps <= 32 ? 17 : steps <= 48 ? 18 : steps <= 64 ? 19 : 20;
+    }
+    [[nodiscard]] static constexpr std::size_t regionRowOf(std::uint64_t steps) noexcept {
         std::size_t row = 0;
-        while (row + 1 < stepRows && steps > (std::uint64_t{1} << row)) {
+        while (row + 1 < regionRows && steps > (std::uint64_t{1} << row)) {
             ++row;
         }
         return row;
@@ -46,7 +54,7 @@ struct Calibration {
     std::array<Row, afterRows>
         afterwards{};  ///< when the exact part that follows has not ended yet; rate: the last one
     /// That the surfaces cross where a contact region says, by the region's rate and its part of the steps.
-    std::array<Row, stepRows> regions{};
+    std::array<Row, regionRows> regions{};
 };
 
 /// Fitted on generated meshes and Zachmann's procedure (see data/README.md); compiled in.

@@ -8,8 +8,8 @@
 #include <grapeshot/adb/certification_poses.hpp>
 #include <grapeshot/adb/detail/fixed_sequence.hpp>
 #include <grapeshot/adb/detail/require_setting.hpp>
-#include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 
 namespace grapeshot {
 

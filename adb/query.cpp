@@ -246,8 +246,9 @@ float Query::State::collisionProbability() const {
     if (cut.steps == 0) {
         return wholeProbability;
     }
-    return estimating ? probabilityAfter(*limits.calibration, detail::tunedRate(descent, cut), cut.steps)
-                      : probabilityAfterwards(*limits.calibration, cut.rate, descent.work - exactFrom);
+    return estimating
+               ? probabilityAfter(*limits.calibration, detail::tunedRate(descent, cut), cut.steps)
+               : probabilityAfterwards(*limits.calibration, detail::tunedRate(descent, cut), descent.work - exactFrom);
 }
 
 Decision Query::State::goOn(const Budget& budget) {

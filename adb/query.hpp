@@ -37,8 +37,8 @@ struct DecideSettings {
     /// more the more steps; with `unlimited` it never hands over to the exact traversal, which is for queries that will
     /// be stopped anyway.
     std::uint64_t estimateSteps = 16;
-    float acceptAt = 0.9961F;  ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
-    float rejectAt = 0.0005F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
+    float acceptAt = 0.9972F;   ///< stop with yes when P(they collide) is at least this, 0.5..1; 1: only when proven
+    float rejectAt = 0.00049F;  ///< stop with no when P(they collide) is at most this, 0..0.5; 0: only when proven
     /// Null: the default one. Must stay where it is as long as the query is used.
     const Calibration* calibration = nullptr;
     Order order = Order::depthFirst;  ///< of the exact traversal if there is no estimate before it; else depth first

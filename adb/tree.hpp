@@ -79,7 +79,7 @@ struct alignas(16) LeafBlock {
 struct BuildSettings {
     int maxLeafTriangles = 4;  ///< 1..4
     int bins = 16;             ///< 4..64; more: slower build, slightly better tree
-    int tuningPoses = 512;     ///< 0..10000: of `tune` (tuning.hpp); 0 leaves it out, for who never estimates
+    int tuningPoses = 1024;    ///< 0..10000: of `tune` (tuning.hpp); 0 leaves it out, for who never estimates
 };
 
 /// A value: copy it, move it, share it between threads for reading. Owns copies of vertices and triangles, so the mesh
@@ -93,9 +93,10 @@ struct Tree {
     Eigen::Vector3f lower = Eigen::Vector3f::Zero();  ///< box of the mesh
     Eigen::Vector3f upper = Eigen::Vector3f::Zero();
     WholeSurface whole;
-    float radius = 0;       ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
-    float rateOctaves = 0;  ///< added to the log2 of every rate of the mesh against itself (see tuning.hpp); -4..4
-    float firstRates = 1;   ///< the sum of the rates after the first step is multiplied with this; 2^-8..2^8
+    float radius = 0;  ///< of the mesh about its frame's origin, m: bounds how far a rotation moves a point
+    /// What the sum of the rates of the mesh against itself is multiplied with, after one step, two, three and four,
+    /// and more (see tuning.hpp); 1/16..16.
+    std::array<float, 4> stepRates{1, 1, 1, 1};
 
     [[nodiscard]] MeshView mesh() const { return {vertices, triangles}; }
 };

@@ -27,7 +27,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> magic{'G', 'S', 'T', 'R', 'E', 'E', '\r', '\n'};
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t version = 4;
 
 /// Everything before the arrays. No padding, so that its bytes may be hashed.
 struct Header {
@@ -39,11 +39,11 @@ struct Header {
     ContentKey mesh;
     std::int32_t maxLeafTriangles = 0, bins = 0, tuningPoses = 0, nothing = 0;
     std::array<float, 8> bounds{};  ///< lower, upper, radius, nothing
-    std::array<float, 20> whole{};  ///< of the surface: mean, covariance, unit, rateOctaves, firstRates, nothing
+    std::array<float, 24> whole{};  ///< of the surface: mean, covariance, unit, stepRates, nothing
     ContentKey arrays;
     ContentKey own;  ///< of all before it
 };
-static_assert(sizeof(Header) == 240 && std::is_trivially_copyable_v<Header>);
+static_assert(sizeof(Header) == 256 && std::is_trivially_copyable_v<Header>);
 
 ContentKey keyOf(XXH128_hash_t hash) {
     return {hash.low64, hash.high64};
@@ -205,8 +205,7 @@ void saveTree(const Tree& tree, const BuildSettings& settings, const std::filesy
                           header.whole.begin() + 4 * static_cast<std::ptrdiff_t>(column + 1));
     }
     header.whole[16] = tree.whole.unit;
-    header.whole[17] = tree.rateOctaves;
-    header.whole[18] = tree.firstRates;
+    std::ranges::copy(tree.stepRates, header.whole.begin() + 17);
     header.arrays = arraysHash(tree);
     header.own = ownHash(header);
     Draft draft(file);
@@ -281,8 +280,7 @@ Tree loadTree(const std::filesystem::path& file, MeshView mesh, const BuildSetti
         }
     }
     tree.whole.unit = header.whole[16];
-    tree.rateOctaves = header.whole[17];
-    tree.firstRates = header.whole[18];
+    std::copy_n(header.whole.begin() + 17, tree.stepRates.size(), tree.stepRates.begin());
     requireSound(tree, file);
     if (!sameContent(tree.mesh(), mesh)) {
         fail("belongs to another mesh of the same hash", file);

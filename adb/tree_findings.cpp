@@ -271,7 +271,7 @@ class Inspector {
                                    1e-5 * covariance.trace() + 1e-12 * extent * extent);
             }
         }
-        if (!(std::abs(m_tree.rateOctaves) <= 4) || !(m_tree.firstRates >= 0x1p-8F && m_tree.firstRates <= 0x1p8F)) {
+        if (!std::ranges::all_of(m_tree.stepRates, [](float rate) { return rate >= 0x1p-4F && rate <= 0x1p4F; })) {
             say("its tuning is out of range");
         }
         if (wrong && truth.area > 0) {

@@ -267,8 +267,7 @@ Sliced copyInSlices(const MeshModel& from, MeshModel& to) {
     to.tree.upper = from.tree.upper;
     to.tree.whole = from.tree.whole;
     to.tree.radius = from.tree.radius;
-    to.tree.rateOctaves = from.tree.rateOctaves;
-    to.tree.firstRates = from.tree.firstRates;
+    to.tree.stepRates = from.tree.stepRates;
     co_await copy(from.tree.nodes, to.tree.nodes);
     co_await copy(from.tree.distributions, to.tree.distributions);
     co_await copy(from.tree.leaves, to.tree.leaves);

@@ -107,7 +107,7 @@ HWY_INLINE void expand(const Descent& descent, const WidePose& pose, SidePair pa
 
 CrossingEnd refineCrossing(Descent& descent, CrossingCut& cut, const RateFormula& formula, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
-    const RateTerms terms = rateTerms(formula, descent.prepared, 0);
+    const RateTerms terms = rateTerms(formula, descent.prepared);
     for (;;) {
         SidePair pair = 0;
         if (cut.count == crossingBlocks && compact(cut) > mostOfCrossing) {

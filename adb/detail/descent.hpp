@@ -24,14 +24,13 @@ struct Descent {
     Side* stackA = nullptr;  ///< the pairs still to be taken up, the next one last: A's and B's sides
     Side* stackB = nullptr;
     std::size_t depth = 0;
-    std::size_t capacity = 0;          ///< of both, at least stackRoom more than `depth`
-    float rateOctaves = 0;             ///< what the two trees add to the log2 of every rate
-    float firstRates = 1;              ///< and multiply the sum of the first step's rates with
-    void (*grow)(Descent&) = nullptr;  ///< makes the capacity larger
-    void* owner = nullptr;             ///< for `grow`
-    std::uint64_t work = 0;            ///< units spent
-    SidePair found = 0;                ///< the leaf pair that a descent ended at
-    std::uint32_t lanes = 0;           ///< of `found`: which triangle pairs overlap, lane = 4 a + b
+    std::size_t capacity = 0;           ///< of both, at least stackRoom more than `depth`
+    float stepRates[4] = {1, 1, 1, 1};  ///< of both trees: see Tree
+    void (*grow)(Descent&) = nullptr;   ///< makes the capacity larger
+    void* owner = nullptr;              ///< for `grow`
+    std::uint64_t work = 0;             ///< units spent
+    SidePair found = 0;                 ///< the leaf pair that a descent ended at
+    std::uint32_t lanes = 0;            ///< of `found`: which triangle pairs overlap, lane = 4 a + b
 };
 
 /// What a step writes beyond the top of the stack, at most.
@@ -53,8 +52,9 @@ inline void setTrees(Descent& descent, const Tree& a, const Tree& b) noexcept {
     descent.distributionsB = b.distributions.data();
     descent.leavesA = a.leaves.data();
     descent.leavesB = b.leaves.data();
-    descent.rateOctaves = 0.5F * (a.rateOctaves + b.rateOctaves);
-    descent.firstRates = std::sqrt(a.firstRates * b.firstRates);
+    for (std::size_t i = 0; i < a.stepRates.size(); ++i) {
+        descent.stepRates[i] = std::sqrt(a.stepRates[i] * b.stepRates[i]);
+    }
 }
 
 [[nodiscard]] inline const LeafBlock& blockA(const Descent& descent, SidePair leaves) noexcept {

@@ -33,7 +33,7 @@ HWY_INLINE Tested test(const Descent& descent, const WidePose& pose, Side a, Sid
 EstimateEnd toEstimate(Descent& descent, Cut& cut, const RateFormula& formula, const RateLimits& limits,
                        std::uint32_t mostSteps, std::uint64_t units) {
     const WidePose pose = widened(descent.prepared);
-    const RateTerms terms = rateTerms(formula, descent.prepared, descent.rateOctaves);
+    const RateTerms terms = rateTerms(formula, descent.prepared);
     for (;;) {
         if (cut.count == 0) {
             return EstimateEnd::exhausted;

@@ -63,9 +63,14 @@ inline void startCut(Cut& cut) noexcept {
     cut.steps = 0;
 }
 
-/// The sum of the rates as the calibration knows it.
+/// Of Tree::stepRates, after one step or more.
+[[nodiscard]] constexpr std::size_t stepRateOf(std::uint64_t steps) noexcept {
+    return static_cast<std::size_t>(steps <= 2 ? steps - 1 : steps <= 4 ? 2 : 3);
+}
+
+/// The sum of the rates as the calibration knows it, after one step or more.
 [[nodiscard]] inline float tunedRate(const Descent& descent, const Cut& cut) noexcept {
-    return cut.steps == 1 ? descent.firstRates * cut.rate : cut.rate;
+    return descent.stepRates[stepRateOf(cut.steps)] * cut.rate;
 }
 
 /// Of `mostSteps`: the estimate never hands over while the cut is not too large.

@@ -134,14 +134,14 @@ HWY_INLINE Float16 lengthOf(const PairPose& pose, const Closeness& closeness) {
            wide(2.0F / 3) * roughLog2(closeness.determinant);
 }
 
-/// 2^(constant + octaves + distance D^2 + length L) with all factors put together, as the bits of a float: in octaves
+/// 2^(constant + distance D^2 + length L) with all factors put together, as the bits of a float: in octaves
 /// times 2^23, with 127 added.
 struct RateTerms {
     float start, quotient, determinant, octaves;
 };
-HWY_INLINE RateTerms rateTerms(const RateFormula& formula, const PairPose& pose, float octaves) {
+HWY_INLINE RateTerms rateTerms(const RateFormula& formula, const PairPose& pose) {
     const float share = -2.0F / 3 * formula.length;
-    return {0x1p23F * (formula.constant + octaves + formula.length * pose.areaOctaves - share * 127 + 127),
+    return {0x1p23F * (formula.constant + formula.length * pose.areaOctaves - share * 127 + 127),
             0x1p23F * formula.distance * (pose.perLength * pose.perLength), share, 0x1p23F / 256 * formula.length};
 }
 /// As rough as roughLog2 and roughExp2. Within 2^+-120; NaN counts as 2^-120.

@@ -12,8 +12,8 @@
 
 #include <grapeshot/adb/audit.hpp>
 #include <grapeshot/adb/detail/selected_count.hpp>
-#include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <support/poses.hpp>
 #include <support/test_size.hpp>
 

@@ -38,16 +38,27 @@ TEST(Calibration, RowsAndKnotsAreWhereTheyShouldBe) {
     Calibration calibration;
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
         for (std::size_t knot = 0; knot < Calibration::knots; ++knot) {
-            calibration.bySteps[row][knot] = 0.05F * static_cast<float>(row) + 0.005F * static_cast<float>(knot);
+            calibration.bySteps[row][knot] = 0.03F * static_cast<float>(row) + 0.005F * static_cast<float>(knot);
         }
     }
     // The first and the last of each row.
-    constexpr std::uint64_t steps[][2] = {{1, 1}, {2, 2}, {3, 4}, {5, 8}, {9, 16}, {17, 32}, {33, 64}, {65, 100'000}};
+    constexpr std::uint64_t steps[][2] = {{1, 1},   {2, 2},   {3, 3},   {4, 4},   {5, 5},   {6, 6},   {7, 7},
+                                          {8, 8},   {9, 9},   {10, 10}, {11, 11}, {12, 12}, {13, 13}, {14, 14},
+                                          {15, 15}, {16, 16}, {17, 24}, {25, 32}, {33, 48}, {49, 64}, {65, 100'000}};
     static_assert(std::size(steps) == Calibration::stepRows);
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
         for (const std::uint64_t step : steps[row]) {
             EXPECT_EQ(Calibration::rowOf(step), row);
-            EXPECT_NEAR(probabilityAfter(calibration, 1, step), 0.05 * static_cast<double>(row) + 0.1, 1e-6);
+            EXPECT_NEAR(probabilityAfter(calibration, 1, step), 0.03 * static_cast<double>(row) + 0.1, 1e-6);
+        }
+    }
+    constexpr std::uint64_t ofRegions[][2] = {{1, 1},  {2, 2},   {3, 4},   {5, 8},
+                                              {9, 16}, {17, 32}, {33, 64}, {65, 100'000}};
+    static_assert(std::size(ofRegions) == Calibration::regionRows);
+    for (std::size_t row = 0; row < Calibration::regionRows; ++row) {
+        calibration.regions[row].fill(0.1F * static_cast<float>(row));
+        for (const std::uint64_t step : ofRegions[row]) {
+            EXPECT_EQ(probabilityOfRegion(calibration, 1, step), 0.1F * static_cast<float>(row));
         }
     }
     EXPECT_NEAR(probabilityAfter(calibration, 1.5F, 1), 0.105, 1e-6);    // the next knot
@@ -65,8 +76,7 @@ TEST(Calibration, RatesAndProbabilitiesAreInverse) {
     const Calibration& calibration = defaultCalibration();
     int reached = 0;
     for (std::size_t row = 0; row < Calibration::stepRows; ++row) {
-        constexpr std::uint64_t stepsOf[Calibration::stepRows] = {1, 2, 3, 5, 9, 17, 33, 65};
-        const std::uint64_t steps = stepsOf[row];
+        const std::uint64_t steps = row < 16 ? row + 1 : row < 18 ? 8 * row - 111 : 16 * row - 255;
         const auto at = [&](double rate) { return probabilityAfter(calibration, static_cast<float>(rate), steps); };
         for (const float p : {0.0001F, 0.001F, 0.02F, 0.3F, 0.5F, 0.77F, 0.95F, 0.999F, 0.9999F}) {
             const double least = leastRateAt(calibration.bySteps[row], p);

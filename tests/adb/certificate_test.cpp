@@ -8,8 +8,8 @@
 #include <grapeshot/adb/certificate.hpp>
 #include <grapeshot/adb/certification_poses.hpp>
 #include <grapeshot/adb/detail/fixed_sequence.hpp>
-#include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 #include <support/poses.hpp>
 #include <support/test_size.hpp>
 

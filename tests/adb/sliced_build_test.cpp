@@ -27,8 +27,7 @@ void expectSame(const Tree& a, const Tree& b) {
     EXPECT_EQ(a.lower, b.lower);
     EXPECT_EQ(a.upper, b.upper);
     EXPECT_EQ(a.radius, b.radius);
-    EXPECT_EQ(a.rateOctaves, b.rateOctaves);
-    EXPECT_EQ(a.firstRates, b.firstRates);
+    EXPECT_EQ(a.stepRates, b.stepRates);
     EXPECT_EQ(std::memcmp(a.whole.mean, b.whole.mean, sizeof(a.whole.mean)), 0);
     EXPECT_EQ(std::memcmp(a.whole.covariance, b.whole.covariance, sizeof(a.whole.covariance)), 0);
     EXPECT_EQ(a.whole.unit, b.whole.unit);
@@ -81,8 +80,8 @@ TEST(SlicedBuild, WithoutTuningThereIsNoneToPayFor) {
     Sliced work = buildInSlices(mesh.view(), {.tuningPoses = 0}, tree);
     EXPECT_LE(inSlices(work, 100), 7 * mesh.triangles.size() + 200);
     expectSame(tree, build(mesh.view(), {.tuningPoses = 0}));
-    EXPECT_EQ(tree.rateOctaves, 0);
-    EXPECT_NE(build(mesh.view()).rateOctaves, 0);
+    EXPECT_EQ(tree.stepRates, Tree().stepRates);
+    EXPECT_NE(build(mesh.view()).stepRates, Tree().stepRates);
 }
 
 TEST(SlicedBuild, RefitToo) {

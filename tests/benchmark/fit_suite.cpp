@@ -1,6 +1,7 @@
 #include "fit_suite.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -108,7 +109,7 @@ void watch(const Tree& tree, const std::vector<Pose>& poses, const RateFormula& 
                 for (std::size_t after = 0; after < Calibration::afterRows; ++after) {
                     const std::uint64_t taken = after == 0 ? 0 : std::uint64_t{2} << after;
                     if (exactSteps > taken) {
-                        tables.afterwards[after].emplace_back(walk.cut().rate, collides);
+                        tables.afterwards[after].emplace_back(walk.tunedRate(), collides);
                     }
                 }
             }
@@ -126,16 +127,17 @@ void fillRows(const SeenRows& seen, Table& table) {
 
 /// As `build` will, but for the mean, which belongs to the table.
 void tuneAll(std::vector<Tree>& trees, const Calibration& calibration) {
-    float octaves = 0;
-    float first = 0;
+    std::array<float, std::tuple_size_v<decltype(Tree::stepRates)>> octaves{};
     for (Tree& tree : trees) {
         tune(tree, BuildSettings().tuningPoses, calibration);
-        octaves += tree.rateOctaves / static_cast<float>(trees.size());
-        first += std::log2(tree.firstRates) / static_cast<float>(trees.size());
+        for (std::size_t i = 0; i < octaves.size(); ++i) {
+            octaves[i] += std::log2(tree.stepRates[i]) / static_cast<float>(trees.size());
+        }
     }
     for (Tree& tree : trees) {
-        tree.rateOctaves -= octaves;
-        tree.firstRates *= std::exp2(-first);
+        for (std::size_t i = 0; i < octaves.size(); ++i) {
+            tree.stepRates[i] *= std::exp2(-octaves[i]);
+        }
     }
 }
 

@@ -33,7 +33,7 @@ struct EstimateSetting {
 /// The limits are those of `grapeshot_bench decide --scenario limits`, which tries them on the meshes for fitting.
 inline constexpr EstimateSetting estimateSettings[] = {{"estimate4", 0.586F, 0.414F, {7, 4}},
                                                        {"estimate07", 0.931F, 0.0588F, {4, 0.7}},
-                                                       {"estimate005", 0.998F, 0.0019F, {2.3, 0.05}}};
+                                                       {"estimate005", 0.9984F, 0.0019F, {2.3, 0.05}}};
 
 /// The default, on poses without coherence.
 [[nodiscard]] inline DecideSettings hybridShuffled() {

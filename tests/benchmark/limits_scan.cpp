@@ -6,6 +6,7 @@
 
 #include <grapeshot/adb/detail/pair_walk.hpp>
 #include <grapeshot/adb/detail/whole_pair.hpp>
+#include <grapeshot/core/rate_bound.hpp>
 
 #include "fit_meshes.hpp"
 #include "forecasts.hpp"
@@ -18,8 +19,9 @@ namespace grapeshot::bench {
 namespace {
 
 constexpr std::size_t mostSteps = 96;
-/// Of the errors that the gates allow, on the meshes for fitting; among them are thin knots, which are the hardest.
-constexpr double partOfAllowance = 1;
+/// The errors that the gates allow are upper limits of this confidence on the meshes for fitting; among them are thin
+/// knots, which are the hardest.
+constexpr double confidence = 0.95;
 
 /// What an estimate without limits goes through on one pose.
 struct Course {
@@ -41,6 +43,7 @@ constexpr double beforeFirstStep = 1.5;
 
 struct Cost {
     double errorPercent = 0, worstErrorPercent = 0;
+    double errors = 0, poses = 0;
     double time = 1;  ///< in steps of the exact traversal, geometric mean over the meshes
 };
 
@@ -71,10 +74,18 @@ Cost costOf(const std::vector<std::vector<Course>>& meshes, float acceptAt, floa
         }
         const auto n = static_cast<double>(mesh.size());
         cost.time *= std::pow(time / n, 1 / static_cast<double>(meshes.size()));
+        cost.errors += errors;
+        cost.poses += n;
         cost.errorPercent += 100 * errors / n / static_cast<double>(meshes.size());
         cost.worstErrorPercent = std::max(cost.worstErrorPercent, 100 * errors / n);
     }
     return cost;
+}
+
+bool keeps(const Cost& cost, double percent) {
+    return cost.errorPercent <= percent && 100 * upperRate(static_cast<std::uint64_t>(cost.errors),
+                                                           static_cast<std::uint64_t>(cost.poses), confidence) <=
+                                               percent;
 }
 
 std::vector<Course> coursesOf(const Tree& tree, const std::vector<Pose>& poses) {
@@ -126,11 +137,11 @@ std::vector<report::Row> scanLimits(const Options& options) {
         for (double accept = 0.5; accept <= 14; accept += 0.25) {
             for (double reject = 0.5; reject <= 14; reject += 0.25) {
                 const Cost cost = costOf(meshes, probabilityOf(accept), probabilityOf(-reject), hybrid);
-                if (cost.time >= best.time || cost.errorPercent > partOfAllowance * gate.errorPercent) {
+                if (cost.time >= best.time || !keeps(cost, gate.errorPercent)) {
                     continue;
                 }
-                if (!hybrid || costOf(grazing, probabilityOf(accept), probabilityOf(-reject), hybrid).errorPercent <=
-                                   partOfAllowance * hybridGrazingGate.errorPercent) {
+                if (!hybrid || keeps(costOf(grazing, probabilityOf(accept), probabilityOf(-reject), hybrid),
+                                     hybridGrazingGate.errorPercent)) {
                     best = cost;
                     acceptAt = probabilityOf(accept);
                     rejectAt = probabilityOf(-reject);

@@ -32,7 +32,7 @@ void watchRegions(const Tree& tree, const std::vector<Pose>& poses, const Calibr
                     const bool isOne = std::ranges::any_of(
                         truth, [&](const CrossingRegion& one) { return match(one, region, contactRegions); });
                     const auto times = static_cast<std::size_t>(std::ceil(region.length / lengthOfOne));
-                    auto& row = seen[Calibration::rowOf(region.steps)];
+                    auto& row = seen[Calibration::regionRowOf(region.steps)];
                     row.insert(row.end(), std::min<std::size_t>(times, mostTimes), {region.rate, isOne});
                 }
             }

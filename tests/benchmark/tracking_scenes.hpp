@@ -14,7 +14,7 @@ namespace grapeshot::bench {
 /// Of one surface with itself if `b` is empty.
 struct TrackingScene {
     std::string name;
-    scenes::Mesh a, b;  ///< at rest
+    scenes::Mesh a, b;      ///< at rest
     float maxDistance = 0;  ///< m
     float spacing = 0;      ///< m
     float exclusion = 0;    ///< m
