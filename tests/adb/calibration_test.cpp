@@ -157,7 +157,7 @@ TEST(Calibration, NamesWhatIsWrongWithAText) {
     const std::string good = toText(defaultCalibration());
     expectRefusal("", "the text ends here");
     expectRefusal("something else\n", "'something else' where 'grapeshot calibration' should be");
-    expectRefusal(replaced(good, "calibration 2", "calibration 3"), "version '3', not 2");
+    expectRefusal(replaced(good, "calibration 3", "calibration 2"), "version '2', not 3");
     expectRefusal(replaced(good, "formula ", "formula 7 "), "4 numbers where 3 should be");
     expectRefusal(replaced(good, "steps ", "steps nan "), "is no number");
     expectRefusal(replaced(good, "steps ", "steps 1.5 "), "42 numbers where 41 should be");
