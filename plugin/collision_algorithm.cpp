@@ -78,7 +78,7 @@ btCollisionAlgorithm* AdbCollisionAlgorithm::CreateFunc::CreateCollisionAlgorith
         void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(btEmptyAlgorithm)));
         return new (place) btEmptyAlgorithm(info);
     }
-    ++m_context->statistics.algorithms;
+    m_context->countAlgorithm(body0->getCollisionShape()->getShapeType(), body1->getCollisionShape()->getShapeType());
     void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(AdbCollisionAlgorithm)));
     return new (place) AdbCollisionAlgorithm(info, m_context->shared_from_this(), m_query);
 }

@@ -32,6 +32,13 @@ struct PairStatistics {
     StopReason stop = StopReason::invalidInput;  ///< invalidInput: refused, no contacts
 };
 
+/// Pairs of two kinds of shapes that were taken, by BroadphaseNativeTypes, the smaller one first.
+struct TakenPairs {
+    int shapeTypeA = 0;
+    int shapeTypeB = 0;
+    std::uint64_t algorithms = 0;  ///< made
+};
+
 /// Sums over the pairs of the step, and counts since registration.
 ///
 /// Bullet has no sign for the begin of a step that an algorithm could see. A step begins here when a pair comes by for
@@ -66,7 +73,8 @@ struct StepStatistics {
     std::uint64_t refusals = 0;   ///< sum of `refused`
     std::uint64_t queries = 0;    ///< pairs of contactTest and contactPairTest; not counted in steps
     std::uint64_t queryWork = 0;
-    std::uint64_t algorithms = 0;  ///< made
+    std::uint64_t algorithms = 0;   ///< made
+    std::vector<TakenPairs> taken;  ///< the same by kinds of shapes, in the order in which they came
 };
 
 /// Of a dispatcher that registerAlgorithms knows; of any other, all zero. The reference stays valid until

@@ -17,5 +17,6 @@ void addInspect(CLI::App& tool, std::function<ExitCode()>& run);
 void addCompare(CLI::App& tool, std::function<ExitCode()>& run);
 void addRun(CLI::App& tool, std::function<ExitCode()>& run);
 void addScene(CLI::App& tool, std::function<ExitCode()>& run);
+void addPreload(CLI::App& tool, std::function<ExitCode()>& run);
 
 }  // namespace grapeshot::cli

@@ -22,6 +22,7 @@ int runTool(int argc, char** argv) {
     cli::addCompare(tool, run);
     cli::addRun(tool, run);
     cli::addScene(tool, run);
+    cli::addPreload(tool, run);
     try {
         tool.parse(argc, argv);
     } catch (const CLI::ParseError& end) {

@@ -32,6 +32,8 @@ Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()
     creators[0] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, false);
     creators[1] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, true);
     gimpact = std::make_unique<btGImpactCollisionAlgorithm::CreateFunc>();
+    // So that counting cannot fail: three types of meshes against all types.
+    statistics.taken.reserve(std::size_t{3} * MAX_BROADPHASE_COLLISION_TYPES);
 }
 
 Context::~Context() = default;
@@ -187,6 +189,18 @@ void Context::record(const PairStatistics& pair) {
     s.longestWait = std::max(s.longestWait, pair.age);
     s.deepest = std::max(s.deepest, pair.deepest);
     s.pairs.push_back(pair);
+}
+
+void Context::countAlgorithm(int shapeType0, int shapeType1) {
+    ++statistics.algorithms;
+    const auto [a, b] = std::minmax(shapeType0, shapeType1);
+    for (TakenPairs& kind : statistics.taken) {
+        if (kind.shapeTypeA == a && kind.shapeTypeB == b) {
+            ++kind.algorithms;
+            return;
+        }
+    }
+    statistics.taken.push_back({a, b, 1});
 }
 
 void Context::refuse(PairStatistics pair, const std::string& reason) {

@@ -50,6 +50,8 @@ struct Context : std::enable_shared_from_this<Context> {
     std::uint64_t enterStep(std::uint64_t lastStep);
     /// Adds the pair to the sums of the step.
     void record(const PairStatistics& pair);
+    /// An algorithm of ours was made for two shapes of these types.
+    void countAlgorithm(int shapeType0, int shapeType1);
     void refuse(PairStatistics pair, const std::string& reason);
 
     /// The frame of a Dispatcher while its dispatch goes on, if its budget is limited; else null.
