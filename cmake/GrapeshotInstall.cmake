@@ -32,7 +32,7 @@ endif()
 
 foreach(room core adb scf narrowphase plugin)
     install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/grapeshot/${room} FILES_MATCHING PATTERN "*.hpp"
-            PATTERN detail EXCLUDE PATTERN reference EXCLUDE)
+            PATTERN detail EXCLUDE PATTERN reference EXCLUDE PATTERN preload EXCLUDE)
 endforeach()
 install(FILES plugin/plugin.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/grapeshot)
 

@@ -10,7 +10,7 @@
 #include <memory>
 
 #include <grapeshot/core/error.hpp>
-#include <grapeshot/plugin/detail/take_over.hpp>
+#include <grapeshot/plugin/preload/take_over.hpp>
 
 #include "commands.hpp"
 

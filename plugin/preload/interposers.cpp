@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include <grapeshot/plugin/detail/preload_log.hpp>
-#include <grapeshot/plugin/detail/take_over.hpp>
+#include <grapeshot/plugin/preload/log_line.hpp>
+#include <grapeshot/plugin/preload/take_over.hpp>
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include <grapeshot/plugin/detail/preload_log.hpp>
-#include <grapeshot/plugin/detail/take_over.hpp>
 #include <grapeshot/plugin/plugin.hpp>
+#include <grapeshot/plugin/preload/log_line.hpp>
+#include <grapeshot/plugin/preload/take_over.hpp>
 
 namespace {
 

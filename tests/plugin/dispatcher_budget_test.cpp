@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <scenes/true_penetration.hpp>
@@ -105,9 +106,11 @@ TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
     const Judge judge(pile);
     const std::uint64_t whole = workUnbudgeted(pile);
     ASSERT_GT(whole, 400U);
-    constexpr int piles = 8;  // how deep the worst moment of a single one is is chance
+    // How deep the worst moment of a single one is is chance: over 24 of them 0.03 m on the average, with a spread of
+    // 0.04.
+    constexpr int piles = 9;
     for (const std::uint64_t part : {4U, 20U}) {
-        double sum = 0;
+        std::vector<double> worst;
         for (int k = 0; k < piles; ++k) {
             pile.nudge = 0.001_s * btScalar(k);
             Settings settings;
@@ -138,9 +141,10 @@ TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
             EXPECT_GT(work, 0U);
             EXPECT_LT(fastest, 12) << "1/" << part;                     // the fall from the top is 10 m/s
             EXPECT_LT(deepest, 0.2) << "1/" << part << ", pile " << k;  // half of a body's radius
-            sum += deepest;
+            worst.push_back(deepest);
         }
-        EXPECT_LT(sum / piles, 0.04) << "1/" << part;  // a tenth of it
+        std::ranges::sort(worst);
+        EXPECT_LT(worst[piles / 2], 0.015) << "1/" << part;  // half of them have no bad moment at all
     }
 }
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include <grapeshot/plugin/detail/take_over.hpp>
+#include <grapeshot/plugin/preload/take_over.hpp>
 
 namespace grapeshot::preload {
 
