@@ -36,7 +36,7 @@ struct Scene {
     }
 };
 
-constexpr ImpactSettings fine{.tolerance = 1e-6F};
+constexpr ImpactSettings fine{.tolerance = 1e-6F, .diveShare = 0.25F};
 
 TEST(ImpactLaws, SwappedBodiesMeetAtTheSameTime) {
     const Scene scene;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace grapeshot::test {
 
@@ -141,12 +142,12 @@ struct Box {
     [[nodiscard]] bool meets(const Box& other) const { return (low <= other.high).all() && (other.low <= high).all(); }
 };
 
-std::vector<Box> boxesOf(const MovingMesh& mesh, double from, double to, Box& all) {
+std::vector<Box> boxesOf(const MovingMesh& mesh, std::span<const std::size_t> which, double from, double to, Box& all) {
     std::vector<Box> boxes;
-    boxes.reserve(mesh.triangles.size());
-    for (const Triangle& triangle : mesh.triangles) {
+    boxes.reserve(which.size());
+    for (const std::size_t t : which) {
         Box box;
-        for (const std::uint32_t v : triangle) {
+        for (const std::uint32_t v : mesh.triangles[t]) {
             box.add(mesh.before[v] + from * (mesh.now[v] - mesh.before[v]));
             box.add(mesh.before[v] + to * (mesh.now[v] - mesh.before[v]));
         }
@@ -174,24 +175,31 @@ double triangleImpact(const Corners& beforeA, const Corners& nowA, const Corners
 
 double meshImpact(const MovingMesh& a, const MovingMesh& b) {
     constexpr int parts = 16;
+    // Whoever does not come near the other in all of the step needs no second look.
+    const auto nearOnes = [](const MovingMesh& mesh, const MovingMesh& other) {
+        Box all;
+        Box otherAll;
+        std::vector<std::size_t> every(std::max(mesh.triangles.size(), other.triangles.size()));
+        std::iota(every.begin(), every.end(), std::size_t{0});
+        const std::vector<Box> boxes = boxesOf(mesh, std::span(every).first(mesh.triangles.size()), 0, 1, all);
+        boxesOf(other, std::span(every).first(other.triangles.size()), 0, 1, otherAll);
+        std::erase_if(every, [&](std::size_t t) { return t >= boxes.size() || !boxes[t].meets(otherAll); });
+        return every;
+    };
+    const std::vector<std::size_t> nearA = nearOnes(a, b);
+    const std::vector<std::size_t> nearB = nearOnes(b, a);
     for (int part = 0; part < parts; ++part) {
         const double from = static_cast<double>(part) / parts;
         const double to = static_cast<double>(part + 1) / parts;
         Box allA;
         Box allB;
-        const std::vector<Box> boxesA = boxesOf(a, from, to, allA);
-        const std::vector<Box> boxesB = boxesOf(b, from, to, allB);
-        std::vector<std::size_t> near;
-        for (std::size_t j = 0; j < boxesB.size(); ++j) {
-            if (boxesB[j].meets(allA)) {
-                near.push_back(j);
-            }
-        }
+        const std::vector<Box> boxesA = boxesOf(a, nearA, from, to, allA);
+        const std::vector<Box> boxesB = boxesOf(b, nearB, from, to, allB);
         double first = noImpact;
-        for (std::size_t i = 0; i < boxesA.size(); ++i) {
-            for (const std::size_t j : near) {
+        for (std::size_t j = 0; j < boxesB.size(); ++j) {
+            for (std::size_t i = 0; boxesB[j].meets(allA) && i < boxesA.size(); ++i) {
                 if (boxesA[i].meets(boxesB[j])) {
-                    first = std::min(first, impactOf(triangleOf(a, i), triangleOf(b, j), from, to));
+                    first = std::min(first, impactOf(triangleOf(a, nearA[i]), triangleOf(b, nearB[j]), from, to));
                 }
             }
         }
