@@ -2,6 +2,7 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
+#include <fcl/math/motion/interp_motion.h>
 #include <fcl/narrowphase/continuous_collision.h>
 
 #include <vector>
@@ -14,11 +15,10 @@ struct FclMoving::Data {
 
 namespace {
 
-fcl::Transform3d transformOf(const Pose& pose) {
-    fcl::Transform3d result = fcl::Transform3d::Identity();
-    result.linear() = pose.rotation.cast<double>();
-    result.translation() = pose.translation.cast<double>();
-    return result;
+/// About the body's origin. That of two transforms alone leaves the point unset, about which it turns.
+fcl::InterpMotion<double> motionOf(const Pose& from, const Pose& to) {
+    return {from.rotation.cast<double>(), from.translation.cast<double>(), to.rotation.cast<double>(),
+            to.translation.cast<double>(), fcl::Vector3d::Zero()};
 }
 
 }  // namespace
@@ -44,8 +44,9 @@ std::optional<double> FclMoving::impact(const Pose& from, const Pose& to, const 
         mostIterations, timeError, fcl::CCDM_LINEAR, fcl::GST_LIBCCD,
         solver == FclSolver::substeps ? fcl::CCDC_NAIVE : fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
     fcl::ContinuousCollisionResultd result;
-    fcl::continuousCollide(&m_data->model, transformOf(from), transformOf(to), &other.m_data->model,
-                           transformOf(otherFrom), transformOf(otherTo), request, result);
+    const fcl::InterpMotion<double> motion = motionOf(from, to);
+    const fcl::InterpMotion<double> otherMotion = motionOf(otherFrom, otherTo);
+    fcl::continuousCollide(&m_data->model, &motion, &other.m_data->model, &otherMotion, request, result);
     return result.is_collide ? std::optional(result.time_of_contact) : std::nullopt;
 }
 

@@ -329,7 +329,7 @@ void addTurning(const Options& options, report::Report& results) {
                 timed(ours, [&] { return query.find(rigidMotion(a), rigidMotion(b), settings); });
             ours.work.push_back(static_cast<double>(result.work));
             const auto relative = [&](double time) { return compose(inverse(poseAt(a, time)), poseAt(b, time)); };
-            constexpr int samples = 200;
+            constexpr int samples = 1000;
             const auto free = static_cast<double>(result.freeUntil);
             for (int k = 0; k < samples; ++k) {
                 const double time = free * (static_cast<double>(k) + 0.5) / samples;
@@ -359,7 +359,7 @@ void addTurning(const Options& options, report::Report& results) {
         const auto claim = [&](const char* text, std::size_t value) {
             results.claims.push_back({"turning, " + name + ": " + text, static_cast<double>(value), false, 0});
         };
-        claim("overlaps at one of 200 moments said to be free", notFree);
+        claim("overlaps at one of 1000 moments said to be free", notFree);
         claim("impacts without contact there", notThere);
         if (!options.quick) {
             results.claims.push_back({"turning, " + name + ": FCL / ours", meanOf(fcl.us) / meanOf(ours.us), true, 1});
