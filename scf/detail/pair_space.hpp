@@ -22,6 +22,17 @@ struct ChildPairs {
     [[nodiscard]] BallPair at(unsigned lane) const { return {a[lane >> 2U], b[lane & 3U]}; }
 };
 
+[[nodiscard]] inline bool shareCorner(const Surface& surface, std::uint32_t first, std::uint32_t second) {
+    for (const std::uint32_t v : surface.triangles[first]) {
+        for (const std::uint32_t w : surface.triangles[second]) {
+            if (v == w) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 struct PairSpace {
     PosedTree* a = nullptr;
     PosedTree* b = nullptr;  ///< the same as `a` for a body with itself
@@ -32,17 +43,7 @@ struct PairSpace {
 
     /// A pair of pieces and its mirror image are one, and so are those of triangles.
     [[nodiscard]] bool excludes(std::uint32_t triangleA, std::uint32_t triangleB) const {
-        if (!isSelf()) {
-            return false;
-        }
-        for (const std::uint32_t v : a->tree().surface.triangles[triangleA]) {
-            for (const std::uint32_t w : a->tree().surface.triangles[triangleB]) {
-                if (v == w) {
-                    return true;
-                }
-            }
-        }
-        return false;
+        return isSelf() && shareCorner(a->tree().surface, triangleA, triangleB);
     }
 
     /// Sixteen balls against each other: one unit, two for a body with itself. Not both whole; leaves always are.
@@ -52,14 +53,16 @@ struct PairSpace {
                          bool wholeB = false) const;
 };
 
-/// The children of a piece, or the piece itself in place of them.
+/// The children of a piece, or the piece itself in place of them. Of a tree where it is, or of one in motion.
+template <class PlacedTree, class Balls>
 struct OpenPiece {
-    FourBalls ownBall{}, ownRestBall{};
-    const FourBalls* balls = &ownBall;
+    Balls ownBall{};
+    FourBalls ownRestBall{};
+    const Balls* balls = &ownBall;
     const FourBalls* restBalls = &ownRestBall;
     std::uint32_t count = 1;
 
-    OpenPiece(PosedTree& posed, BallRef ref, bool whole, bool isSelf, std::array<BallRef, 4>& child) {
+    OpenPiece(PlacedTree& posed, BallRef ref, bool whole, bool isSelf, std::array<BallRef, 4>& child) {
         const BallTree& tree = posed.tree();
         if (!whole && !isBallLeaf(ref)) {
             const BallNode& node = posed.node(ballIndex(ref));
@@ -83,20 +86,27 @@ struct OpenPiece {
     OpenPiece& operator=(const OpenPiece&) = delete;
 };
 
-inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA,
-                                       bool wholeB) const {
+/// The lanes of so many pieces of A and of B.
+[[nodiscard]] inline std::uint32_t lanesOf(std::uint32_t countA, std::uint32_t countB) {
     static constexpr std::uint32_t rows[4] = {0x000f, 0x00ff, 0x0fff, 0xffff};
     static constexpr std::uint32_t columns[4] = {0x1111, 0x3333, 0x7777, 0xffff};
-    const OpenPiece pieceA(*a, pair.a, wholeA, isSelf(), out.a);
-    const OpenPiece pieceB(*b, pair.b, wholeB, isSelf(), out.b);
-    out.mask = rows[pieceA.count - 1] & columns[pieceB.count - 1];
+    return rows[countA - 1] & columns[countB - 1];
+}
+/// Of a piece with itself: b >= a, each pair once, and each piece with itself.
+inline constexpr std::uint32_t lanesOfOne = 0x8cefU;
+
+inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA,
+                                       bool wholeB) const {
+    const OpenPiece<PosedTree, FourBalls> pieceA(*a, pair.a, wholeA, isSelf(), out.a);
+    const OpenPiece<PosedTree, FourBalls> pieceB(*b, pair.b, wholeB, isSelf(), out.b);
+    out.mask = lanesOf(pieceA.count, pieceB.count);
     out.mask &= weight != nullptr ? overlappingBalls(*pieceA.balls, *pieceB.balls, reach, *weight)
                                   : touchingBalls(*pieceA.balls, *pieceB.balls, reach);
     if (!isSelf()) {
         return 1;
     }
     if (pair.a == pair.b) {
-        out.mask &= 0x8cefU;  // b >= a: each pair once, and each piece with itself
+        out.mask &= lanesOfOne;
         if (weight != nullptr) {
             for (const int lane : {0, 5, 10, 15}) {
                 (*weight)[lane] = 1;

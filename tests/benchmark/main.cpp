@@ -8,6 +8,7 @@
 #include <report/report.hpp>
 #include "anytime_suite.hpp"
 #include "contacts_suite.hpp"
+#include "continuous_suite.hpp"
 #include "decide_suite.hpp"
 #include "fit_suite.hpp"
 #include "guarantee_suite.hpp"
@@ -27,10 +28,10 @@ using Suite = grapeshot::report::Report (*)(const grapeshot::bench::Options&);
 Suite suiteNamed(const std::string& suite) {
     using namespace grapeshot::bench;
     static const std::map<std::string, Suite> suites{
-        {"anytime", runAnytimeSuite}, {"contacts", runContactsSuite},     {"decide", runDecideSuite},
-        {"fit", runFitSuite},         {"guarantee", runGuaranteeSuite},   {"paper", runPaperSuite},
-        {"scene", runSceneSuite},     {"stochastic", runStochasticSuite}, {"tracking", runTrackingSuite},
-        {"trees", runTreesSuite},     {"workloads", runWorkloadsSuite}};
+        {"anytime", runAnytimeSuite},   {"contacts", runContactsSuite}, {"continuous", runContinuousSuite},
+        {"decide", runDecideSuite},     {"fit", runFitSuite},           {"guarantee", runGuaranteeSuite},
+        {"paper", runPaperSuite},       {"scene", runSceneSuite},       {"stochastic", runStochasticSuite},
+        {"tracking", runTrackingSuite}, {"trees", runTreesSuite},       {"workloads", runWorkloadsSuite}};
     return suites.at(suite);
 }
 

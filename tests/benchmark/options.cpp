@@ -10,8 +10,8 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"anytime", "contacts",   "decide",   "fit",   "guarantee", "paper",
-                                       "scene",   "stochastic", "tracking", "trees", "workloads"};
+constexpr std::string_view suites[] = {"anytime", "contacts", "continuous", "decide",   "fit",   "guarantee",
+                                       "paper",   "scene",    "stochastic", "tracking", "trees", "workloads"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -105,6 +105,7 @@ std::string usage() {
 
   anytime    estimates stopped after so many steps: errors, calibration, against what else may be stopped
   contacts   contact regions stopped after so many steps, against decimated meshes at equal quality
+  continuous first impacts in a step: a needle at a cloth, bodies that turn or deform; against substeps and FCL
   decide     exact and estimated yes/no against FCL, other peers and rivals; Zachmann's procedure and grazing poses
   fit        the formula and table of the ADB-trees' probabilities, on meshes that no other suite reports
   guarantee  certificates on fresh poses of unseen meshes, against the exact query; the audit on bodies in motion
@@ -116,7 +117,8 @@ std::string usage() {
   workloads  yes/no as decide does not ask it: unlike pairs, smooth paths, one pose again and again; the slowest of all
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, stochastic)
-  --scenario NAME...    only these scenarios (scene; tracking: bodies, self, bound; workloads: work,
+  --scenario NAME...    only these scenarios (scene; continuous: needle, rigid, turning,
+                        deforming; tracking: bodies, self, bound; workloads: work,
                         unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
                         (decide); fit: the choice of the free parameters (stochastic)

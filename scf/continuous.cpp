@@ -1,0 +1,206 @@
+#include <grapeshot/scf/continuous.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include <grapeshot/scf/detail/impact_search.hpp>
+
+namespace grapeshot {
+namespace {
+
+constexpr float largestTurn =
+    0.25F;  // rad per part: the balls grow by its square / 8 of their distance from the origin
+constexpr int mostParts = 4096;
+constexpr int drawBits = 16;  // random numbers of a part: more than there are
+
+bool isShare(float share) {
+    return share >= 0 && share <= 1;
+}
+
+bool isUsable(const ImpactSettings& s) {
+    return std::isfinite(s.maxDistance) && s.maxDistance >= 0 && std::isfinite(s.tolerance) && s.tolerance > 0 &&
+           std::isfinite(s.exclusion) && s.exclusion >= 0 && isShare(s.diveShare) && isShare(s.auditShare);
+}
+
+bool isUsable(const Stretch& s) {
+    return s.source >= Stretch::Source::given && s.source <= Stretch::Source::refitted &&
+           (s.source == Stretch::Source::refitted || (std::isfinite(s.bound) && s.bound > 0));
+}
+
+std::optional<Fault> faultIn(const SurfaceMotion& motion, const Surface& surface) {
+    for (const auto& positions : {motion.before, motion.now}) {
+        if (!positions.empty() && positions.size() != surface.rest.size()) {
+            return Fault::topologyChanged;
+        }
+    }
+    if (!motion.triangles.empty() &&
+        (motion.triangles.size() != surface.triangles.size() || !(topologyKey(motion.triangles) == surface.topology))) {
+        return Fault::topologyChanged;
+    }
+    if (!isRigid(motion.frame.from)) {
+        return Fault::notRigid;
+    }
+    if (!motion.frame.path.allFinite() || !motion.frame.turn.allFinite()) {
+        return Fault::notFinite;
+    }
+    return isUsable(motion.stretch) && motion.frame.turn.norm() <= static_cast<float>(mostParts) * largestTurn
+               ? std::nullopt
+               : std::optional(Fault::badSetting);
+}
+
+/// The bound to make the balls with, 0 if they are to be fitted; NaN if a position is not finite.
+float stretchOf(const SurfaceMotion& motion, const Surface& surface) {
+    if (motion.stretch.source != Stretch::Source::measured) {
+        return motion.stretch.source == Stretch::Source::given ? motion.stretch.bound : 0;
+    }
+    float largest = motion.before.empty() ? 1 : measureStretch(surface, motion.before);
+    if (!motion.now.empty() && motion.now.data() != motion.before.data()) {
+        const float now = measureStretch(surface, motion.now);
+        largest = std::isnan(largest) || std::isnan(now) ? std::nanf("") : std::max(largest, now);
+    }
+    if (std::isnan(largest)) {
+        return largest;
+    }
+    if (largest <= 0) {
+        return 1;  // all edges shrunk to nothing
+    }
+    return largest <= motion.stretch.bound ? largest : 0;
+}
+
+std::uint64_t shareOf(std::uint64_t units, float share) {
+    return units == unlimited ? 0 : static_cast<std::uint64_t>(static_cast<double>(units) * static_cast<double>(share));
+}
+
+}  // namespace
+
+struct ImpactQuery::State {
+    State(const BallTree& treeA, const BallTree& treeB) : a(treeA) {
+        if (&treeA != &treeB) {
+            b.emplace(treeB);
+        }
+    }
+    ImpactResult find(const SurfaceMotion& motionA, const SurfaceMotion* motionB, const ImpactSettings& settings,
+                      const Budget& budget);
+    ImpactResult findWithin(SurfaceMotion body, const ImpactSettings& settings, const Budget& budget);
+
+    detail::MovingTree a;
+    std::optional<detail::MovingTree> b;  ///< not of a body with itself
+    detail::ImpactScratch scratch;
+};
+
+ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const SurfaceMotion* motionB,
+                                      const ImpactSettings& settings, const Budget& budget) {
+    ImpactResult result;
+    const auto refused = [](Fault fault) {
+        ImpactResult none;
+        none.fault = fault;
+        return none;
+    };
+    if (!isUsable(settings)) {
+        return refused(Fault::badSetting);
+    }
+    if (const auto fault = faultIn(motionA, a.tree().surface)) {
+        return refused(*fault);
+    }
+    const float stretchA = stretchOf(motionA, a.tree().surface);
+    float stretchB = stretchA;
+    float turn = motionA.frame.turn.norm();
+    if (motionB != nullptr) {
+        if (const auto fault = faultIn(*motionB, b->tree().surface)) {
+            return refused(*fault);
+        }
+        stretchB = stretchOf(*motionB, b->tree().surface);
+        turn = std::max(turn, motionB->frame.turn.norm());
+    }
+    if (std::isnan(stretchA) || std::isnan(stretchB)) {
+        return refused(Fault::notFinite);
+    }
+    detail::Meter meter(budget);
+    const detail::ImpactSpace space{&a, b ? &*b : &a, settings.maxDistance, settings.tolerance,
+                                    b ? -1 : settings.exclusion};
+    const RandomKey key{settings.seed, settings.pair, settings.step};
+    const int parts = std::max(1, static_cast<int>(std::ceil(turn / largestTurn)));
+    result.stop = StopReason::certain;
+    result.certain = true;
+    for (int part = 0; part < parts; ++part) {
+        a.begin(motionA, stretchA, {part, parts});
+        if (b) {
+            b->begin(*motionB, stretchB, {part, parts});
+        }
+        detail::ImpactSearch search(space, meter, key, static_cast<std::uint32_t>(part) << drawBits, result.work,
+                                    scratch);
+        const std::uint64_t left = meter.left(result.work);
+        const std::uint64_t spare = shareOf(left, settings.auditShare);
+        if (!meter.isUnlimited() && settings.diveShare > 0) {
+            result.dives += search.dive(left - std::min(left, shareOf(left, settings.diveShare)));
+        }
+        bool finished = search.run(spare);
+        if (!finished && part + 1 == parts) {
+            search.audit(result.miss);
+            finished = search.isExhausted();
+        }
+        result.work = search.work();
+        if (!a.isFinite() || !space.b->isFinite()) {
+            const std::uint64_t work = result.work;
+            result = refused(Fault::notFinite);
+            result.work = work;
+            return result;
+        }
+        const auto overall = [&](float time) {
+            return std::min(1.0F, (static_cast<float>(part) + time) / static_cast<float>(parts));
+        };
+        result.freeUntil = overall(search.freeUntil());
+        if (search.impact()) {
+            result.impact = search.impact();
+            result.impact->time = overall(search.impact()->time);
+        }
+        if (!finished) {
+            result.certain = false;
+            result.stop = StopReason::budget;
+        }
+        if (!finished || result.impact) {
+            break;
+        }
+    }
+    return result;
+}
+
+/// The frame moves nothing against anything: the body is searched in its own.
+ImpactResult ImpactQuery::State::findWithin(SurfaceMotion body, const ImpactSettings& settings, const Budget& budget) {
+    if (const auto fault = faultIn(body, a.tree().surface)) {
+        ImpactResult refused;
+        refused.fault = fault;
+        return refused;
+    }
+    const RigidMotion frame = std::exchange(body.frame, {});
+    ImpactResult result = find(body, nullptr, settings, budget);
+    if (result.impact) {
+        Impact& impact = *result.impact;
+        const Pose pose = poseAt(frame, static_cast<double>(impact.time));
+        impact.onA = apply(pose, impact.onA);
+        impact.onB = apply(pose, impact.onB);
+        impact.normal = pose.rotation * impact.normal;
+    }
+    return result;
+}
+
+ImpactQuery::ImpactQuery(const BallTree& a, const BallTree& b) : m_state(std::make_unique<State>(a, b)) {}
+ImpactQuery::ImpactQuery(const BallTree& body) : m_state(std::make_unique<State>(body, body)) {}
+ImpactQuery::ImpactQuery(ImpactQuery&&) noexcept = default;
+ImpactQuery& ImpactQuery::operator=(ImpactQuery&&) noexcept = default;
+ImpactQuery::~ImpactQuery() = default;
+
+ImpactResult ImpactQuery::find(const SurfaceMotion& a, const SurfaceMotion& b, const ImpactSettings& settings,
+                               Budget budget) {
+    assert(m_state->b && "made of one tree: it is for the body with itself");
+    return m_state->find(a, &b, settings, budget);
+}
+
+ImpactResult ImpactQuery::find(const SurfaceMotion& body, const ImpactSettings& settings, Budget budget) {
+    assert(!m_state->b && "made of two trees");
+    return m_state->findWithin(body, settings, budget);
+}
+
+}  // namespace grapeshot

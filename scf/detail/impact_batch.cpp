@@ -1,0 +1,109 @@
+#include <grapeshot/scf/detail/impact_batch.hpp>
+
+namespace grapeshot::detail {
+namespace {
+
+void copyLane(const PosedLeaf& from, unsigned lane, TriangleBatch& to, int toLane) {
+    for (int corner = 0; corner < 3; ++corner) {
+        for (int axis = 0; axis < 3; ++axis) {
+            to.corner[corner][axis][toLane] = from.corner[corner][axis][lane];
+        }
+    }
+}
+
+/// B's normal; of none, up.
+Eigen::Vector3f faceNormal(const TriangleBatch& b, int lane) {
+    const auto corner = [&](int i) {
+        return Eigen::Vector3f(b.corner[i][0][lane], b.corner[i][1][lane], b.corner[i][2][lane]);
+    };
+    const Eigen::Vector3f u = corner(1) - corner(0);
+    const Eigen::Vector3f v = corner(2) - corner(0);
+    const Eigen::Vector3f n(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+    const float area = n.norm();
+    return area > 0 ? Eigen::Vector3f(n / area) : Eigen::Vector3f::UnitY();
+}
+
+}  // namespace
+
+void ImpactBatch::load(const ImpactSpace& space, const LanePair* pairs, int count) {
+    m_count = count;
+    for (int lane = 0; lane < batchWidth; ++lane) {
+        const LanePair& pair = pairs[lane < count ? lane : 0];
+        m_pairs[lane] = pair;
+        m_moving.acceleration[lane] = 0;
+        if (!space.turns()) {
+            copyLane(space.a->leafBefore(pair.a >> 4U), pair.a & 15U, m_path.beforeA, lane);
+            copyLane(space.a->leafNow(pair.a >> 4U), pair.a & 15U, m_path.nowA, lane);
+            copyLane(space.b->leafBefore(pair.b >> 4U), pair.b & 15U, m_path.beforeB, lane);
+            copyLane(space.b->leafNow(pair.b >> 4U), pair.b & 15U, m_path.nowB, lane);
+        }
+    }
+}
+
+TrianglePair ImpactBatch::triangles(const ImpactSpace& space, int lane) const {
+    const LanePair& pair = m_pairs[lane];
+    return {space.a->tree().leaves[pair.a >> 4U].triangle[pair.a & 15U],
+            space.b->tree().leaves[pair.b >> 4U].triangle[pair.b & 15U]};
+}
+
+void ImpactBatch::placeTurning(const ImpactSpace& space, const float (&time)[16]) {
+    for (int lane = 0; lane < batchWidth; ++lane) {
+        const int from = lane < m_count ? lane : 0;
+        const TrianglePair pair = triangles(space, from);
+        const auto at = static_cast<double>(time[from]);
+        const MovingCorners a = space.a->cornersAt(pair.triangleA, at);
+        const MovingCorners b = space.b->cornersAt(pair.triangleB, at);
+        m_origin[lane] = a.place[0];
+        // The common velocity is taken out, and with it what it would cost in rounding.
+        for (int corner = 0; corner < 3; ++corner) {
+            for (int axis = 0; axis < 3; ++axis) {
+                m_moving.a.corner[corner][axis][lane] = static_cast<float>(a.place[corner][axis] - a.place[0][axis]);
+                m_moving.b.corner[corner][axis][lane] = static_cast<float>(b.place[corner][axis] - a.place[0][axis]);
+                m_moving.velocityA.corner[corner][axis][lane] =
+                    static_cast<float>(a.velocity[corner][axis] - a.velocity[0][axis]);
+                m_moving.velocityB.corner[corner][axis][lane] =
+                    static_cast<float>(b.velocity[corner][axis] - a.velocity[0][axis]);
+            }
+        }
+        m_moving.acceleration[lane] = static_cast<float>(a.acceleration + b.acceleration);
+    }
+}
+
+std::uint32_t ImpactBatch::run(const ImpactSpace& space, const float (&time)[16], float (&step)[16]) {
+    if (space.turns()) {
+        placeTurning(space, time);
+    } else {
+        placeAt(m_path, time, m_moving);
+    }
+    signedDistances(m_moving.a, m_moving.b, m_out);
+    const std::uint32_t used = m_count == 16 ? 0xffffU : (1U << static_cast<unsigned>(m_count)) - 1U;
+    return advance(m_moving, m_out, space.reach, space.tolerance, step) & used;
+}
+
+Impact ImpactBatch::impactOf(const ImpactSpace& space, int lane, float time) const {
+    Impact impact;
+    impact.time = time;
+    impact.pair = triangles(space, lane);
+    Eigen::Vector3d origin = m_origin[lane];
+    if (!space.turns()) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto before = static_cast<double>(m_path.beforeA.corner[0][axis][lane]);
+            const auto now = static_cast<double>(m_path.nowA.corner[0][axis][lane]);
+            origin[axis] = before + static_cast<double>(time) * (now - before);
+        }
+    }
+    Eigen::Vector3f gap;
+    for (int axis = 0; axis < 3; ++axis) {
+        impact.onA[axis] = static_cast<float>(origin[axis] + static_cast<double>(m_out.onA[axis][lane]));
+        impact.onB[axis] = static_cast<float>(origin[axis] + static_cast<double>(m_out.onB[axis][lane]));
+        gap[axis] = m_out.onA[axis][lane] - m_out.onB[axis][lane];
+    }
+    const float length = gap.norm();
+    const bool overlapping = (m_out.overlapping >> static_cast<unsigned>(lane) & 1U) != 0U;
+    impact.normal = !overlapping && length > 1e-12F ? Eigen::Vector3f(gap / length) : faceNormal(m_moving.b, lane);
+    impact.featureA = static_cast<std::uint8_t>(m_out.featureA[lane]);
+    impact.featureB = static_cast<std::uint8_t>(m_out.featureB[lane]);
+    return impact;
+}
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,252 @@
+#include <grapeshot/scf/detail/impact_search.hpp>
+
+#include <algorithm>
+
+namespace grapeshot::detail {
+namespace {
+
+constexpr float afterTheEnd = 1.000001F;  // a touch at the very end counts
+constexpr float smallestStep = 2.4e-7F;   // of the part: below it time hardly goes on
+constexpr float timeRounding = 1 - 1.2e-7F;
+constexpr std::size_t worthACall = 6;  // triangle pairs that are due before the next piece
+constexpr int roundsInARow = 4;
+constexpr std::uint32_t mostDives = 256;
+constexpr double priceOfASample = 24;  // units, more than most cost
+constexpr double caution = 0.75;       // what is not finished counts as a hit
+
+void put(std::vector<WaitingPair>& heap, const WaitingPair& pair) {
+    heap.push_back(pair);
+    std::push_heap(heap.begin(), heap.end());
+}
+
+WaitingPair take(std::vector<WaitingPair>& heap) {
+    std::pop_heap(heap.begin(), heap.end());
+    const WaitingPair earliest = heap.back();
+    heap.pop_back();
+    return earliest;
+}
+
+}  // namespace
+
+ImpactSearch::ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomKey& key, std::uint32_t firstDraw,
+                           std::uint64_t spent, ImpactScratch& scratch)
+    : m_space(space),
+      m_meter(meter),
+      m_scratch(scratch),
+      m_key(key),
+      m_draw(firstDraw),
+      m_work(spent),
+      m_limit(afterTheEnd) {
+    scratch.front.clear();
+    scratch.side.clear();
+    scratch.front.pieces.push_back({0, 0, 0});
+}
+
+bool ImpactSearch::hasMoreThan(std::uint64_t spare) {
+    const std::uint64_t left = m_meter.left(m_work);
+    return left == unlimited || left > spare;
+}
+
+float ImpactSearch::freeUntil() const {
+    float earliest = std::min(m_limit, 1.0F);
+    for (const std::vector<WaitingPair>* heap : {&m_scratch.front.pieces, &m_scratch.front.triangles}) {
+        earliest = heap->empty() ? earliest : std::min(earliest, heap->front().time);
+    }
+    return earliest;
+}
+
+void ImpactSearch::dropLate(ImpactFront& front) const {
+    for (std::vector<WaitingPair>* heap : {&front.pieces, &front.triangles}) {
+        if (!heap->empty() && heap->front().time >= m_limit) {
+            heap->clear();
+        }
+    }
+}
+
+bool ImpactSearch::run(std::uint64_t spare) {
+    return run(m_scratch.front, spare);
+}
+
+bool ImpactSearch::run(ImpactFront& front, std::uint64_t spare) {
+    while (true) {
+        dropLate(front);
+        if (front.size() == 0) {
+            return true;
+        }
+        if (!hasMoreThan(spare)) {
+            return false;
+        }
+        const std::size_t due = front.triangles.size();
+        if (front.pieces.empty() || due >= batchWidth ||
+            (due >= worthACall && front.triangles.front().time < front.pieces.front().time)) {
+            advanceEarliest(front);
+        } else {
+            open(front);
+        }
+    }
+}
+
+void ImpactSearch::open(ImpactFront& front) {
+    const WaitingPair next = take(front.pieces);
+    if (isBallLeaf(next.a) && isBallLeaf(next.b)) {
+        openLeaves(front, ballIndex(next.a), ballIndex(next.b));
+        return;
+    }
+    ChildPairs children;
+    float time[16];
+    float depth[16];
+    m_work += m_space.expand({next.a, next.b}, m_limit, children, time, depth);
+    for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
+        const auto lane = static_cast<unsigned>(std::countr_zero(left));
+        const BallPair pair = children.at(lane);
+        put(front.pieces, {std::max(time[lane], next.time), pair.a, pair.b});
+    }
+}
+
+void ImpactSearch::openLeaves(ImpactFront& front, std::uint32_t leafA, std::uint32_t leafB) {
+    m_work += m_space.openLeaves(leafA, leafB, m_limit, [&](unsigned laneA, unsigned laneB, float time) {
+        put(front.triangles, {time, leafA << 4U | laneA, leafB << 4U | laneB});
+    });
+}
+
+void ImpactSearch::advanceEarliest(ImpactFront& front) {
+    LanePair pairs[16];
+    alignas(64) float time[16] = {};
+    float step[16];
+    int count = 0;
+    while (count < batchWidth && !front.triangles.empty() && front.triangles.front().time < m_limit) {
+        const WaitingPair next = take(front.triangles);
+        pairs[count] = {next.a, next.b};
+        time[count++] = next.time;
+    }
+    m_scratch.batch.load(m_space, pairs, count);
+    std::uint32_t open = (1U << static_cast<unsigned>(count)) - 1U;
+    for (int round = 0; open != 0U && round < roundsInARow; ++round) {
+        ++m_work;
+        std::uint32_t touching = m_scratch.batch.run(m_space, time, step) & open;
+        for (std::uint32_t left = open & ~touching; left != 0U; left &= left - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(left));
+            if (!(step[lane] > smallestStep)) {
+                touching |= 1U << lane;
+            }
+        }
+        for (std::uint32_t left = touching; left != 0U; left &= left - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(left));
+            if (time[lane] < m_limit) {
+                m_impact = m_scratch.batch.impactOf(m_space, static_cast<int>(lane), std::min(time[lane], 1.0F));
+                m_limit = time[lane];
+            }
+        }
+        open &= ~touching;
+        for (std::uint32_t left = open; left != 0U; left &= left - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(left));
+            time[lane] = (time[lane] + std::min(step[lane], 2.0F)) * timeRounding;
+            if (time[lane] >= m_limit) {
+                open &= ~(1U << lane);
+            }
+        }
+    }
+    for (; open != 0U; open &= open - 1U) {
+        const auto lane = static_cast<unsigned>(std::countr_zero(open));
+        if (time[lane] < m_limit) {
+            put(front.triangles, {time[lane], pairs[lane].a, pairs[lane].b});
+        }
+    }
+}
+
+bool ImpactSearch::diveOnce() {
+    BallPair pair{0, 0};
+    ChildPairs children;
+    float time[16];
+    float depth[16];
+    while (!isBallLeaf(pair.a) || !isBallLeaf(pair.b)) {
+        m_work += m_space.expand(pair, m_limit, children, time, depth);
+        float sum = 0;
+        for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(left));
+            sum += depth[lane] * depth[lane];
+        }
+        float place = randomUnit(m_key, m_draw++) * sum;
+        unsigned chosen = 16;
+        for (std::uint32_t left = children.mask; left != 0U && (chosen == 16 || place >= 0); left &= left - 1U) {
+            chosen = static_cast<unsigned>(std::countr_zero(left));
+            place -= depth[chosen] * depth[chosen];
+        }
+        if (chosen == 16) {
+            return pair.a != 0 || pair.b != 0;
+        }
+        pair = children.at(chosen);
+    }
+    openLeaves(m_scratch.side, ballIndex(pair.a), ballIndex(pair.b));
+    return true;
+}
+
+std::uint32_t ImpactSearch::dive(std::uint64_t spare) {
+    std::uint32_t dives = 0;
+    while (!m_impact && dives < mostDives && hasMoreThan(spare)) {
+        ++dives;
+        m_scratch.side.clear();
+        if (!diveOnce()) {
+            break;
+        }
+        run(m_scratch.side, spare);
+    }
+    m_scratch.side.clear();
+    return dives;
+}
+
+void ImpactSearch::audit(MissEstimate& miss) {
+    ImpactFront& front = m_scratch.front;
+    dropLate(front);
+    // The later ones of both heaps cannot hold an earlier impact.
+    for (std::vector<WaitingPair>* heap : {&front.pieces, &front.triangles}) {
+        std::erase_if(*heap, [&](const WaitingPair& pair) { return pair.time >= m_limit; });
+    }
+    miss.candidates = miss.unknown = front.size();
+    // How many is decided before the first is searched: to stop when the budget ends would prefer the cheap ones.
+    const std::uint64_t units = m_meter.left(m_work);
+    const auto population = static_cast<double>(miss.unknown);
+    const double affordable = units == unlimited ? population : caution * static_cast<double>(units) / priceOfASample;
+    miss.sampled = static_cast<std::uint64_t>(std::min(affordable, population));
+    const float limit = m_limit;
+    const auto piecesDone = [&](std::vector<WaitingPair>& heap, std::size_t i) {
+        const WaitingPair drawn = heap[i];
+        heap[i] = heap.back();
+        heap.pop_back();
+        return drawn;
+    };
+    std::vector<WaitingPair> unfinishedPieces;
+    std::vector<WaitingPair> unfinishedTriangles;
+    for (std::uint64_t i = 0; i < miss.sampled; ++i) {
+        const std::uint64_t drawn = randomBits(m_key, m_draw++) % front.size();
+        ImpactFront& side = m_scratch.side;
+        side.clear();
+        if (drawn < front.pieces.size()) {
+            side.pieces.push_back(piecesDone(front.pieces, drawn));
+        } else {
+            side.triangles.push_back(piecesDone(front.triangles, drawn - front.pieces.size()));
+        }
+        // Each is judged by what was known before the sample.
+        const std::optional<Impact> known = m_impact;
+        const float knownLimit = m_limit;
+        m_limit = limit;
+        m_impact.reset();
+        const bool finished = run(side, 0);
+        miss.hits += m_impact ? 1 : 0;
+        miss.open += !finished && !m_impact ? 1 : 0;
+        if (!m_impact || knownLimit < m_limit) {
+            m_impact = known;
+            m_limit = knownLimit;
+        }
+        unfinishedPieces.insert(unfinishedPieces.end(), side.pieces.begin(), side.pieces.end());
+        unfinishedTriangles.insert(unfinishedTriangles.end(), side.triangles.begin(), side.triangles.end());
+    }
+    front.pieces.insert(front.pieces.end(), unfinishedPieces.begin(), unfinishedPieces.end());
+    front.triangles.insert(front.triangles.end(), unfinishedTriangles.begin(), unfinishedTriangles.end());
+    std::make_heap(front.pieces.begin(), front.pieces.end());
+    std::make_heap(front.triangles.begin(), front.triangles.end());
+    dropLate(front);
+    estimateMissed(miss, true);
+}
+
+}  // namespace grapeshot::detail

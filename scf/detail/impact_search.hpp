@@ -1,0 +1,83 @@
+// The first impact of two ball trees in motion: by time, by random dives, and by a uniform sample of what is left.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <grapeshot/core/random.hpp>
+#include <grapeshot/scf/continuous.hpp>
+#include <grapeshot/scf/detail/impact_batch.hpp>
+#include <grapeshot/scf/detail/meter.hpp>
+
+namespace grapeshot::detail {
+
+/// Two pieces (BallRef) or two triangles (as LanePair has them) that do not touch before `time`.
+struct WaitingPair {
+    float time = 0;
+    std::uint32_t a = 0;
+    std::uint32_t b = 0;
+    /// Of those of the same time leaves come first and deeper nodes before the others, so that few wait.
+    friend bool operator<(const WaitingPair& x, const WaitingPair& y) {
+        return x.time != y.time ? x.time > y.time : x.a != y.a ? x.a < y.a : x.b < y.b;
+    }
+};
+
+/// Everything that may touch before the limit lies in one of the pairs. Both are heaps, the earliest on top.
+struct ImpactFront {
+    std::vector<WaitingPair> pieces, triangles;
+    [[nodiscard]] std::size_t size() const { return pieces.size() + triangles.size(); }
+    void clear() {
+        pieces.clear();
+        triangles.clear();
+    }
+};
+
+/// Memory that is worth keeping.
+struct ImpactScratch {
+    ImpactFront front, side;
+    ImpactBatch batch;
+};
+
+class ImpactSearch {
+  public:
+    /// @param spent units, of the same budget
+    ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomKey& key, std::uint32_t firstDraw,
+                 std::uint64_t spent, ImpactScratch& scratch);
+
+    /// By time, until there is nothing earlier than the limit, or less than `spare` units are left. True: exhausted.
+    bool run(std::uint64_t spare);
+    /// Random ways down to two leaves, the deepest likeliest, until less than `spare` units are left or one finds an
+    /// impact. Returns how many.
+    std::uint32_t dive(std::uint64_t spare);
+    /// Searches a uniform sample of what waits.
+    void audit(MissEstimate& miss);
+
+    /// Does nothing wait? Then the impact is the first, or there is none.
+    [[nodiscard]] bool isExhausted() const { return m_scratch.front.size() == 0; }
+    [[nodiscard]] const std::optional<Impact>& impact() const { return m_impact; }
+    /// Nothing touches before.
+    [[nodiscard]] float freeUntil() const;
+    [[nodiscard]] std::uint64_t work() const { return m_work; }
+
+  private:
+    bool run(ImpactFront& front, std::uint64_t spare);
+    void open(ImpactFront& front);
+    void openLeaves(ImpactFront& front, std::uint32_t leafA, std::uint32_t leafB);
+    void advanceEarliest(ImpactFront& front);
+    void dropLate(ImpactFront& front) const;
+    /// False: the bodies as a whole do not meet.
+    bool diveOnce();
+    [[nodiscard]] bool hasMoreThan(std::uint64_t spare);
+
+    const ImpactSpace& m_space;
+    Meter& m_meter;
+    ImpactScratch& m_scratch;
+    RandomKey m_key;
+    std::uint32_t m_draw;
+    std::uint64_t m_work;
+    std::optional<Impact> m_impact;
+    float m_limit;  ///< nothing later is of interest
+};
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,189 @@
+#include <grapeshot/scf/detail/moving_tree.hpp>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include <grapeshot/scf/detail/turning.hpp>
+
+namespace grapeshot::detail {
+namespace {
+
+constexpr float rounding = 1.00002F;
+constexpr double rigidRounding = 1.003;  // a rotation may be off by isRigid's tolerance
+
+void mix(std::span<const Eigen::Vector3f> before, std::span<const Eigen::Vector3f> now, double time,
+         std::vector<Eigen::Vector3f>& out) {
+    out.resize(before.size());
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        out[i] = (before[i].cast<double>() + time * (now[i].cast<double>() - before[i].cast<double>())).cast<float>();
+    }
+}
+
+}  // namespace
+
+MovingTree::MovingTree(const BallTree& tree)
+    : m_before(tree),
+      m_now(tree),
+      m_nodeStamp(tree.nodes.size(), 0),
+      m_leafStamp(tree.leaves.size(), 0),
+      m_leafSlot(tree.leaves.size(), 0),
+      m_balls(tree.nodes.size()) {}
+
+void MovingTree::begin(const SurfaceMotion& motion, float stretch, const StepPart& part) {
+    if (++m_step == 0) {  // after 2^32 parts
+        std::fill(m_nodeStamp.begin(), m_nodeStamp.end(), 0);
+        std::fill(m_leafStamp.begin(), m_leafStamp.end(), 0);
+        m_step = 1;
+    }
+    m_usedLeaves = 0;
+    m_frame = motion.frame;
+    m_part = part;
+    m_turns = !motion.frame.turn.isZero(0);
+    m_angle = static_cast<double>(motion.frame.turn.norm()) / part.count;
+    const std::span<const Eigen::Vector3f> before =
+        motion.before.empty() ? std::span(tree().surface.rest) : motion.before;
+    const std::span<const Eigen::Vector3f> now = motion.now.empty() ? before : motion.now;
+    m_localBefore = before;
+    m_localNow = now;
+    const double from = static_cast<double>(part.index) / part.count;
+    const double to = static_cast<double>(part.index + 1) / part.count;
+    if (part.count > 1 && now.data() != before.data()) {
+        mix(before, now, from, m_partBefore);
+        mix(before, now, to, m_partNow);
+        m_localBefore = m_partBefore;
+        m_localNow = m_partNow;
+    }
+    const bool stays = !m_turns && motion.frame.path.isZero(0) && motion.frame.from.rotation.isIdentity(0) &&
+                       motion.frame.from.translation.isZero(0);
+    m_poseBefore = poseAt(motion.frame, from);
+    m_poseNow = poseAt(motion.frame, to);
+    m_before.begin(m_localBefore, stays ? nullptr : &m_poseBefore, stretch);
+    m_now.begin(m_localNow, stays ? nullptr : &m_poseNow, stretch);
+}
+
+double MovingTree::acceleration(std::uint32_t vertex) const {
+    if (!m_turns) {
+        return 0;
+    }
+    const Eigen::Vector3f& before = localBefore(vertex);
+    const Eigen::Vector3f& now = localNow(vertex);
+    const double arm = std::sqrt(static_cast<double>(std::max(before.squaredNorm(), now.squaredNorm())));
+    const auto own = static_cast<double>((now - before).norm());
+    return rigidRounding * m_angle * (m_angle * arm + 2 * own);
+}
+
+float MovingTree::bulge(std::uint32_t vertex) const {
+    return static_cast<float>(acceleration(vertex) * 0.125);
+}
+
+void MovingTree::makeBalls(std::uint32_t index) {
+    const BallNode& node = tree().nodes[index];
+    const FourBalls& before = m_before.balls(index);
+    const FourBalls& now = m_now.balls(index);
+    SweptBalls& balls = m_balls[index];
+    m_nodeStamp[index] = m_step;
+    for (std::uint32_t slot = 0; slot < 4; ++slot) {
+        for (int axis = 0; axis < 3; ++axis) {
+            balls.center[axis][slot] = before.center[axis][slot];
+            balls.path[axis][slot] = now.center[axis][slot] - before.center[axis][slot];
+        }
+        balls.radius[slot] =
+            std::max(before.radius[slot], now.radius[slot]) + (slot < node.count ? bulge(node.center[slot]) : 0);
+    }
+}
+
+void MovingTree::putBall(BallRef ref, SweptBalls& balls, int slot) {
+    FourBalls before;
+    FourBalls now;
+    m_before.putBall(ref, before, 0);
+    m_now.putBall(ref, now, 0);
+    for (int axis = 0; axis < 3; ++axis) {
+        balls.center[axis][slot] = before.center[axis][0];
+        balls.path[axis][slot] = now.center[axis][0] - before.center[axis][0];
+    }
+    balls.radius[slot] = std::max(before.radius[0], now.radius[0]) + bulge(tree().own(ref).center);
+}
+
+SweptBall MovingTree::ballOf(std::uint32_t leaf) {
+    SweptBalls balls;
+    putBall(leaf | ballLeafBit, balls, 0);
+    return {{balls.center[0][0], balls.center[1][0], balls.center[2][0]},
+            {balls.path[0][0], balls.path[1][0], balls.path[2][0]},
+            balls.radius[0]};
+}
+
+const SweptLeaf& MovingTree::leaf(std::uint32_t index) {
+    if (m_leafStamp[index] != m_step) {
+        m_leafStamp[index] = m_step;
+        m_leafSlot[index] = static_cast<std::uint32_t>(m_usedLeaves);
+        if (m_usedLeaves == m_leaves.size()) {
+            m_leaves.emplace_back();
+        }
+        makeLeaf(index, m_leaves[m_usedLeaves++]);
+    }
+    return m_leaves[m_leafSlot[index]];
+}
+
+void MovingTree::makeLeaf(std::uint32_t index, SweptLeaf& leaf) {
+    const BallLeaf& own = tree().leaves[index];
+    const PosedLeaf& before = m_before.leaf(index);
+    const PosedLeaf& now = m_now.leaf(index);
+    constexpr float third = 1.0F / 3;
+    for (int lane = 0; lane < 16; ++lane) {
+        float square = 0;
+        for (const PosedLeaf* end : {&before, &now}) {
+            float middle[3];
+            for (int axis = 0; axis < 3; ++axis) {
+                middle[axis] =
+                    (end->corner[0][axis][lane] + end->corner[1][axis][lane] + end->corner[2][axis][lane]) * third;
+                if (end == &before) {
+                    leaf.center[axis][lane] = middle[axis];
+                    leaf.middle[axis][lane] = own.middle[axis][lane];
+                } else {
+                    leaf.path[axis][lane] = middle[axis] - leaf.center[axis][lane];
+                }
+            }
+            for (int corner = 0; corner < 3; ++corner) {
+                float sum = 0;
+                for (int axis = 0; axis < 3; ++axis) {
+                    const float d = end->corner[corner][axis][lane] - middle[axis];
+                    sum += d * d;
+                }
+                square = std::max(square, sum);
+            }
+        }
+        float most = 0;
+        if (m_turns) {
+            for (int corner = 0; corner < 3; ++corner) {
+                most = std::max(most, bulge(own.corner[corner][lane]));
+            }
+        }
+        // The middle is rounded like its corners.
+        const float far =
+            std::max({std::abs(leaf.center[0][lane]), std::abs(leaf.center[1][lane]), std::abs(leaf.center[2][lane])});
+        leaf.radius[lane] = std::sqrt(square) * rounding + most + 1e-6F * far;
+    }
+}
+
+MovingCorners MovingTree::cornersAt(std::uint32_t triangle, double time) const {
+    const double whole = (static_cast<double>(m_part.index) + time) / m_part.count;
+    const Eigen::Vector3d turnInAll = m_frame.turn.cast<double>();
+    const Eigen::Matrix3d rotation = rotationBy(whole * turnInAll) * m_frame.from.rotation.cast<double>();
+    const Eigen::Vector3d path = m_frame.path.cast<double>();
+    const Eigen::Vector3d origin = m_frame.from.translation.cast<double>() + whole * path;
+    const Eigen::Vector3d turn = turnInAll / m_part.count;
+    const Triangle& corners = tree().surface.triangles[triangle];
+    MovingCorners result;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Eigen::Vector3d before = localBefore(corners[i]).cast<double>();
+        const Eigen::Vector3d own = localNow(corners[i]).cast<double>() - before;
+        const Eigen::Vector3d arm = rotation * (before + time * own);
+        result.place[i] = origin + arm;
+        result.velocity[i] = path / m_part.count + turn.cross(arm) + rotation * own;
+        result.acceleration = std::max(result.acceleration, acceleration(corners[i]));
+    }
+    return result;
+}
+
+}  // namespace grapeshot::detail

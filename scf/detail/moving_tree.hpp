@@ -1,0 +1,88 @@
+// A ball tree in motion: balls on straight paths that hold all that is in them at every moment of a part of the step.
+//
+// Between its ends a piece lies in the ball between its balls there: straight lines are convex, and turning changes no
+// distance from the centre. Where the frame turns, the centre's path is bent; it is nowhere farther from its chord than
+// an eighth of its largest acceleration, by which the ball grows.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include <grapeshot/scf/detail/posed_tree.hpp>
+#include <grapeshot/scf/detail/sweep_kernels.hpp>
+#include <grapeshot/scf/motion.hpp>
+
+namespace grapeshot::detail {
+
+/// A part of a step: the `index`-th of `count` of the same length. Time within it goes from 0 to 1.
+struct StepPart {
+    int index = 0;
+    int count = 1;
+};
+
+/// Of a triangle at a moment, in the common frame.
+struct MovingCorners {
+    Eigen::Vector3d place[3];     ///< m
+    Eigen::Vector3d velocity[3];  ///< m per part
+    double acceleration = 0;      ///< bound, m per part^2
+};
+
+/// Not for two threads. References hold until the next `begin`.
+class MovingTree {
+  public:
+    explicit MovingTree(const BallTree& tree);
+
+    /// The motion's spans must stay where they are until the next one. A surface that deforms while it turns costs O(n)
+    /// if the step has several parts.
+    /// @param stretch as PosedTree::begin
+    void begin(const SurfaceMotion& motion, float stretch, const StepPart& part);
+
+    [[nodiscard]] const BallTree& tree() const { return m_before.tree(); }
+    [[nodiscard]] const BallNode& node(std::uint32_t index) const { return tree().nodes[index]; }
+    /// Of the children of a node.
+    [[nodiscard]] const SweptBalls& balls(std::uint32_t node) {
+        if (m_nodeStamp[node] != m_step) {
+            makeBalls(node);
+        }
+        return m_balls[node];
+    }
+    void putBall(BallRef ref, SweptBalls& balls, int slot);
+    [[nodiscard]] SweptBall ballOf(std::uint32_t leaf);
+    [[nodiscard]] const SweptLeaf& leaf(std::uint32_t index);
+
+    [[nodiscard]] bool turns() const { return m_turns; }
+    /// Corners of a leaf's triangles at both ends of the part.
+    [[nodiscard]] const PosedLeaf& leafBefore(std::uint32_t index) { return m_before.leaf(index); }
+    [[nodiscard]] const PosedLeaf& leafNow(std::uint32_t index) { return m_now.leaf(index); }
+    [[nodiscard]] MovingCorners cornersAt(std::uint32_t triangle, double time) const;
+    /// Are all positions finite that were read in this part?
+    [[nodiscard]] bool isFinite() const { return m_before.isFinite() && m_now.isFinite(); }
+
+  private:
+    void makeBalls(std::uint32_t node);
+    void makeLeaf(std::uint32_t index, SweptLeaf& leaf);
+    /// How far the path of a vertex is from its chord, at most; m.
+    [[nodiscard]] float bulge(std::uint32_t vertex) const;
+    /// Bound on the acceleration of a vertex, m per part^2.
+    [[nodiscard]] double acceleration(std::uint32_t vertex) const;
+    [[nodiscard]] const Eigen::Vector3f& localBefore(std::uint32_t vertex) const { return m_localBefore[vertex]; }
+    [[nodiscard]] const Eigen::Vector3f& localNow(std::uint32_t vertex) const { return m_localNow[vertex]; }
+
+    PosedTree m_before, m_now;
+    Pose m_poseBefore, m_poseNow;
+    std::vector<Eigen::Vector3f> m_partBefore, m_partNow;  ///< only if it deforms and turns, in several parts
+    std::span<const Eigen::Vector3f> m_localBefore, m_localNow;
+    RigidMotion m_frame;
+    StepPart m_part;
+    double m_angle = 0;  ///< rad per part
+    bool m_turns = false;
+    std::uint32_t m_step = 0;
+    std::vector<std::uint32_t> m_nodeStamp, m_leafStamp, m_leafSlot;
+    std::vector<SweptBalls> m_balls;
+    std::deque<SweptLeaf> m_leaves;  ///< of this part, in the order in which they were asked for
+    std::size_t m_usedLeaves = 0;
+};
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,39 @@
+// When do balls on straight paths come within reach of each other? Sixteen pairs to a call, one unit of work.
+#pragma once
+
+#include <cstdint>
+
+namespace grapeshot::detail {
+
+/// Four balls side by side, and where their centres go in the time from 0 to 1.
+struct alignas(16) SweptBalls {
+    float center[3][4];  ///< m, at time 0
+    float path[3][4];    ///< m
+    float radius[4];     ///< m
+};
+
+/// Balls around the triangles of a leaf. Unused lanes repeat lane 0.
+struct alignas(64) SweptLeaf {
+    float center[3][16];
+    float path[3][16];
+    float radius[16];
+    float middle[3][16];  ///< centroids at rest
+};
+
+/// One ball.
+struct SweptBall {
+    float center[3];
+    float path[3];
+    float radius;
+};
+
+/// Bit 4 a + b: balls a and b come within `reach`, before `limit`. time[4 a + b]: not before then, a little early;
+/// depth: how far the ball of the sum of both radii is entered, 0..1. Also if a number is not finite.
+[[nodiscard]] std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit,
+                                           float (&time)[16], float (&depth)[16]) noexcept;
+
+/// The same for one ball and those of a leaf, bit and place as its lane.
+[[nodiscard]] std::uint32_t sweptLeafMeets(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit,
+                                           float (&time)[16]) noexcept;
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,58 @@
+// Surfaces in motion within one step, and what the slow truth says of them.
+#pragma once
+
+#include <vector>
+
+#include <grapeshot/scf/continuous.hpp>
+
+#include <scenes/shapes.hpp>
+#include <support/impact_oracle.hpp>
+#include <support/poses.hpp>
+
+namespace grapeshot::test {
+
+inline std::vector<Eigen::Vector3f> placed(const scenes::Mesh& mesh, const Pose& pose) {
+    std::vector<Eigen::Vector3f> moved;
+    moved.reserve(mesh.vertices.size());
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+        moved.push_back(apply(pose, vertex));
+    }
+    return moved;
+}
+
+/// A mesh and both ends of its step.
+struct MovingBody {
+    scenes::Mesh mesh;
+    std::vector<Eigen::Vector3f> before, now;
+    [[nodiscard]] SurfaceMotion motion(const Stretch& stretch = Stretch::measured()) const {
+        return {before, now, {}, stretch, {}};
+    }
+    [[nodiscard]] MovingMesh exact() const {
+        MovingMesh result;
+        result.triangles = mesh.triangles;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            result.before.push_back(before[i].cast<double>());
+            result.now.push_back(now[i].cast<double>());
+        }
+        return result;
+    }
+};
+
+/// At a random place, about `distance` away, on the way towards the middle or past it, bent while it goes.
+inline MovingBody passingBody(const scenes::Mesh& mesh, double distance, Random& random) {
+    MovingBody body{mesh, {}, {}};
+    const Eigen::Vector3f side = random.direction();
+    const auto away = static_cast<float>(distance);
+    const auto aside = static_cast<float>(random.uniform(0, 1.2));
+    const auto past = static_cast<float>(random.uniform(-1, 1));
+    const Pose from{random.rotation(), away * side};
+    body.before = placed(mesh, from);
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const Eigen::Vector3f bent = 0.1F * std::sin(3 * mesh.vertices[i][0]) * Eigen::Vector3f::UnitY();
+        body.now.push_back(body.before[i] + bent - (1 + past) * away * side +
+                           aside * Eigen::Vector3f(side[1], -side[0], 0.2F));
+    }
+    return body;
+}
+
+}  // namespace grapeshot::test
