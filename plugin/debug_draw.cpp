@@ -150,7 +150,7 @@ Status debugDraw(btCollisionWorld* world, btIDebugDraw* drawer, const DebugDrawO
             return Status::badArgument;
         }
         const std::shared_ptr<Context> context = detail::Contexts::instance().find(dispatcher);
-        if (!context || context->heldCells(*dispatcher) == 0) {
+        if (!context || !context->isIn(*dispatcher)) {
             return Status::notRegistered;
         }
         Drawing drawing(*world, *context, *drawer, options);
