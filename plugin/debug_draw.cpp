@@ -40,7 +40,8 @@ class Drawing {
             leaves.clear();
             detail::appendLeaves(*objects[i]->getCollisionShape(), objects[i]->getWorldTransform(), leaves);
             for (const detail::PlacedShape& leaf : leaves) {
-                if (const auto model = detail::ShapeModels::instance().present(*leaf.shape); model && model->mesh) {
+                if (const auto model = detail::ShapeModels::instance().present(*leaf.shape, true);
+                    model && model->mesh) {
                     tree(model->mesh->tree, leaf.inBody);
                 }
             }
