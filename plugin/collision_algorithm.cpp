@@ -6,6 +6,7 @@
 
 #include <new>
 
+#include <grapeshot/plugin/detail/compound_algorithm.hpp>
 #include <grapeshot/plugin/detail/pair_processor.hpp>
 #include <grapeshot/plugin/registration.hpp>
 
@@ -58,6 +59,32 @@ void AdbCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) n
     }
 }
 
+namespace {
+
+/// Null: there is no GImpact compound in it, or the settings leave it alone.
+btCollisionAlgorithm* createForChildren(btCollisionAlgorithmConstructionInfo& info,
+                                        const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                                        Context& context, bool query) noexcept {
+    using detail::CompoundAlgorithm;
+    const auto isCompound = [](const btCollisionObjectWrapper& body) {
+        return detail::isGImpactCompound(*body.getCollisionShape());
+    };
+    if (!context.settings.convexPairs || !(isCompound(body0) || isCompound(body1))) {
+        return nullptr;
+    }
+    void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(CompoundAlgorithm)));
+    try {
+        auto* made = new (place) CompoundAlgorithm(info, context.shared_from_this(), query);
+        ++context.statistics.algorithms;
+        return made;
+    } catch (...) {
+        info.m_dispatcher1->freeCollisionAlgorithm(place);
+        return nullptr;
+    }
+}
+
+}  // namespace
+
 AdbCollisionAlgorithm::CreateFunc::CreateFunc(const Settings& settings, bool query)
     : m_own(std::make_shared<Context>(settings)), m_context(m_own.get()), m_query(query) {}
 
@@ -68,8 +95,11 @@ btCollisionAlgorithm* AdbCollisionAlgorithm::CreateFunc::CreateCollisionAlgorith
     btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
     const btCollisionObjectWrapper* body1) noexcept {
     const detail::PairKind kind =
-        detail::kindOf(*body0->getCollisionShape(), *body1->getCollisionShape(), m_context->settings.convexPairs);
+        detail::kindOf(*body0->getCollisionShape(), *body1->getCollisionShape(), m_context->settings);
     if (kind == detail::PairKind::foreign) {
+        if (btCollisionAlgorithm* children = createForChildren(info, *body0, *body1, *m_context, m_query)) {
+            return children;
+        }
         btCollisionAlgorithm* foreign =
             m_context->createForeign(info, body0, body1, m_query ? detail::Table::closest : detail::Table::contacts);
         if (foreign != nullptr) {

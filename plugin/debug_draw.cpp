@@ -40,7 +40,8 @@ class Drawing {
             leaves.clear();
             detail::appendLeaves(*objects[i]->getCollisionShape(), objects[i]->getWorldTransform(), leaves);
             for (const detail::PlacedShape& leaf : leaves) {
-                if (const auto model = detail::ShapeModels::instance().present(*leaf.shape); model && model->mesh) {
+                if (const auto model = detail::ShapeModels::instance().present(*leaf.shape, true);
+                    model && model->mesh) {
                     tree(model->mesh->tree, leaf.inBody);
                 }
             }
@@ -150,7 +151,7 @@ Status debugDraw(btCollisionWorld* world, btIDebugDraw* drawer, const DebugDrawO
             return Status::badArgument;
         }
         const std::shared_ptr<Context> context = detail::Contexts::instance().find(dispatcher);
-        if (!context || context->heldCells(*dispatcher) == 0) {
+        if (!context || !context->isIn(*dispatcher)) {
             return Status::notRegistered;
         }
         Drawing drawing(*world, *context, *drawer, options);

@@ -83,7 +83,7 @@ Diagnosis diagnose(const btCollisionWorld* world) noexcept {
             return failed(Status::badArgument);
         }
         const std::shared_ptr<detail::Context> context = detail::Contexts::instance().find(patient.dispatcher);
-        if (context && context->heldCells(*patient.dispatcher) > 0) {
+        if (context && context->isIn(*patient.dispatcher)) {
             patient.context = context.get();
         }
         const btCollisionObjectArray& objects = world->getCollisionObjectArray();

@@ -18,8 +18,7 @@ namespace detail {
 namespace {
 
 bool isOurs(const btCollisionObject& first, const btCollisionObject& second, const Context& context) {
-    return kindOf(*first.getCollisionShape(), *second.getCollisionShape(), context.settings.convexPairs) !=
-           PairKind::foreign;
+    return kindOf(*first.getCollisionShape(), *second.getCollisionShape(), context.settings) != PairKind::foreign;
 }
 
 /// The pair's algorithm, if it is ours. A new pair gets one, as Bullet's near callback would do; that of the program

@@ -20,7 +20,7 @@ Status registerAlgorithms(btCollisionDispatcher* dispatcher, const Settings& set
     try {
         std::shared_ptr<Context> context = Contexts::instance().find(dispatcher);
         // If none of its places are ours, another dispatcher lives at this address now.
-        if (!context || context->heldCells(*dispatcher) == 0) {
+        if (!context || !context->isIn(*dispatcher)) {
             context = std::make_shared<Context>(settings);
             Contexts::instance().insert(dispatcher, context);
         }
@@ -39,7 +39,7 @@ Status unregisterAlgorithms(btCollisionDispatcher* dispatcher) noexcept {
     }
     try {
         const std::shared_ptr<Context> context = Contexts::instance().find(dispatcher);
-        if (!context || context->heldCells(*dispatcher) == 0) {
+        if (!context || !context->isIn(*dispatcher)) {
             Contexts::instance().remove(dispatcher, false);  // another dispatcher lived at this address
             return Status::notRegistered;
         }
@@ -60,7 +60,7 @@ bool isRegistered(const btCollisionDispatcher* dispatcher) noexcept {
 const StepStatistics& statistics(const btCollisionDispatcher* dispatcher) noexcept {
     static const StepStatistics none;
     const std::shared_ptr<Context> context = Contexts::instance().find(dispatcher);
-    return context && context->heldCells(*dispatcher) > 0 ? context->statistics : none;
+    return context && context->isIn(*dispatcher) ? context->statistics : none;
 }
 
 }  // namespace GRAPESHOT_PRECISION

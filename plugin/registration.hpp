@@ -10,10 +10,13 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 
 /// Puts our algorithms in place, in both tables of the dispatcher (contacts and queries) and for both orders of a pair:
-/// btGImpactMeshShape, btGImpactMeshShapePart, btBvhTriangleMeshShape and btScaledBvhTriangleMeshShape against each
-/// other; GImpact meshes against btStaticPlaneShape and all convex shapes. What stood there before is kept, serves
-/// whatever is not ours (GImpact compounds) and comes back with unregisterAlgorithms. Where nothing stood (Bullet's
-/// empty algorithm), other pairs with a GImpact shape get Bullet's GImpact algorithm, and are counted.
+/// btGImpactMeshShape, btGImpactMeshShapePart, btBvhTriangleMeshShape, btScaledBvhTriangleMeshShape,
+/// btMultimaterialTriangleMeshShape and btHeightfieldTerrainShape against each other and against btStaticPlaneShape;
+/// GImpact's meshes (and the others, see Settings::bvhConvexPairs) against all convex shapes; each child of a
+/// btGImpactCompoundShape against whatever there is, by whoever serves the child. btCompoundShape stays with Bullet's
+/// own recursion, which comes back if GImpact has taken its place. What stood there before is kept, serves whatever is
+/// not ours and comes back with unregisterAlgorithms. Where nothing stood (Bullet's empty algorithm), other pairs with
+/// a GImpact shape (a program's own concave shapes) get Bullet's GImpact algorithm, and are counted.
 ///
 /// Call it before the first step: pairs that exist keep their algorithm until they part. Call it after
 /// btGImpactCollisionAlgorithm::registerAlgorithm, which takes the same places. Again: changes the settings.

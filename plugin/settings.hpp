@@ -70,8 +70,13 @@ struct Settings {
     bool speculative = true;
     /// Motion of one step beyond this is not looked at, m: >= 0, infinity allowed.
     float speculativeLimit = 10.0F;
-    /// GImpact meshes against planes and convex shapes too. Off: those pairs keep the algorithm they had.
+    /// GImpact meshes against planes and convex shapes too, and GImpact compounds against whatever there is. Off: those
+    /// pairs keep the algorithm they had.
     bool convexPairs = true;
+    /// All other meshes against convex shapes too (BVH, scaled, multi-material, height fields). Off: Bullet's own,
+    /// which tests each triangle alone: bodies bump into the inner edges of flat ground, and Bullet 3.24 drops contacts
+    /// of what lies below a triangle's plane.
+    bool bvhConvexPairs = false;
 
     /// Nothing is left out: no budgets, most manifolds, a search in every step.
     [[nodiscard]] static Settings exact() noexcept;

@@ -110,7 +110,7 @@ struct Shadow::State {
     /// Twins with the original's tables, made anew when these have changed.
     Status follow(btCollisionDispatcher& dispatcher) {
         const std::shared_ptr<detail::Context> context = Contexts::instance().find(&dispatcher);
-        const bool registered = context && context->heldCells(dispatcher) > 0;
+        const bool registered = context && context->isIn(dispatcher);
         const std::uint64_t version = registered ? context->settingsVersion : 0;
         TableCopy now = detail::tablesOf(dispatcher, false);
         if (original == &dispatcher && now == tables && version == settingsVersion) {

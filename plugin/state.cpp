@@ -54,7 +54,7 @@ Status open(btCollisionWorld* world, Scene& scene) {
         return Status::badArgument;
     }
     scene.context = detail::Contexts::instance().find(scene.dispatcher);
-    return scene.context && scene.context->heldCells(*scene.dispatcher) > 0 ? Status::ok : Status::notRegistered;
+    return scene.context && scene.context->isIn(*scene.dispatcher) ? Status::ok : Status::notRegistered;
 }
 
 /// Keys of models, each worked out once.
@@ -192,7 +192,7 @@ class Planner {
                                 m_scene.object(pair.second).getCollisionShape()};
         const btCollisionAlgorithmCreateFunc* creator = creatorIn(*m_scene.dispatcher, detail::Table::contacts,
                                                                   shapes[0]->getShapeType(), shapes[1]->getShapeType());
-        present.kind = detail::kindOf(*shapes[0], *shapes[1], m_scene.context->settings.convexPairs);
+        present.kind = detail::kindOf(*shapes[0], *shapes[1], m_scene.context->settings);
         if (creator != m_scene.context->creators[static_cast<std::size_t>(detail::Table::contacts)].get() ||
             present.kind == PairKind::foreign) {
             return false;

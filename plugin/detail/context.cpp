@@ -15,11 +15,9 @@ namespace detail {
 namespace {
 
 constexpr std::array meshTypes{TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE,
-                               GIMPACT_SHAPE_PROXYTYPE};
+                               MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE, TERRAIN_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE};
 // Concave kinds that we do not know. Compounds are Bullet's own recursion, soft bodies another configuration's.
-constexpr std::array unknownTypes{FAST_CONCAVE_MESH_PROXYTYPE, TERRAIN_SHAPE_PROXYTYPE,
-                                  MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE, STATIC_PLANE_PROXYTYPE,
-                                  CUSTOM_CONCAVE_SHAPE_TYPE};
+constexpr std::array unknownTypes{FAST_CONCAVE_MESH_PROXYTYPE, STATIC_PLANE_PROXYTYPE, CUSTOM_CONCAVE_SHAPE_TYPE};
 
 std::uint64_t nextSerial() {
     static std::atomic<std::uint64_t> last = 0;
@@ -38,8 +36,9 @@ Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()
 
 Context::~Context() = default;
 
-void Context::take(btCollisionDispatcher& dispatcher, Table table, int first, int second) {
-    btCollisionAlgorithmCreateFunc* ours = creators[static_cast<std::size_t>(table)].get();
+void Context::take(btCollisionDispatcher& dispatcher, Table table, int first, int second,
+                   btCollisionAlgorithmCreateFunc* placed) {
+    btCollisionAlgorithmCreateFunc* ours = placed != nullptr ? placed : creators[static_cast<std::size_t>(table)].get();
     btCollisionAlgorithmCreateFunc* present = creatorIn(dispatcher, table, first, second);
     if (present == ours) {
         return;
@@ -48,47 +47,84 @@ void Context::take(btCollisionDispatcher& dispatcher, Table table, int first, in
         return cell.table == table && cell.first == first && cell.second == second;
     });
     Cell& cell = known != cells.end() ? *known : cells.emplace_back();
-    cell = {table, first, second, present, present == nullptr || present == emptyCreatorIn(dispatcher, table)};
+    cell = {table, first, second, present, ours, present == nullptr || present == emptyCreatorIn(dispatcher, table)};
     setCreator(dispatcher, table, first, second, ours);
 }
 
-void Context::install(btCollisionDispatcher& dispatcher) {
-    cells.reserve(256);  // so that nothing below can fail half way
-    const auto isGImpactSolid = [](const Cell& cell) {
+namespace {
+
+bool isSolidType(int type) {
+    return type == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(type);
+}
+
+/// Is the place one that these settings take?
+bool isWanted(const Cell& cell, const Settings& settings) {
+    const bool gimpact = cell.first == GIMPACT_SHAPE_PROXYTYPE || cell.second == GIMPACT_SHAPE_PROXYTYPE;
+    if (gimpact) {
         const int other = cell.first == GIMPACT_SHAPE_PROXYTYPE ? cell.second : cell.first;
-        return other == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(other);
-    };
-    if (!settings.convexPairs) {
-        // They may be ours from an earlier call.
-        std::erase_if(cells, [&](const Cell& cell) {
-            if (isGImpactSolid(cell)) {
-                giveBack(dispatcher, cell);
-                return true;
-            }
-            return false;
-        });
+        return settings.convexPairs || !(isSolidType(other) || other == COMPOUND_SHAPE_PROXYTYPE);
     }
+    return settings.bvhConvexPairs ||
+           !(btBroadphaseProxy::isConvex(cell.first) || btBroadphaseProxy::isConvex(cell.second));
+}
+
+}  // namespace
+
+void Context::install(btCollisionDispatcher& dispatcher) {
+    cells.reserve(768);  // so that nothing below can fail half way
+    giveBackUnwanted(dispatcher);
     for (const Table table : {Table::contacts, Table::closest}) {
         for (const int first : meshTypes) {
             for (const int second : meshTypes) {
                 take(dispatcher, table, first, second);
             }
         }
-        const auto takeBoth = [&](int other) {
-            take(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
-            take(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
-        };
+        takeSolids(dispatcher, table);
         if (settings.convexPairs) {
-            takeBoth(STATIC_PLANE_PROXYTYPE);
-            for (int other = 0; other < CONCAVE_SHAPES_START_HERE; ++other) {
-                takeBoth(other);
-            }
+            takeCompounds(dispatcher, table);
         }
         for (const int other : unknownTypes) {
             takeIfEmpty(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
             takeIfEmpty(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
         }
     }
+}
+
+/// Places from an earlier call, with other settings.
+void Context::giveBackUnwanted(btCollisionDispatcher& dispatcher) {
+    std::erase_if(cells, [&](const Cell& cell) {
+        if (isWanted(cell, settings)) {
+            return false;
+        }
+        giveBack(dispatcher, cell);
+        return true;
+    });
+}
+
+void Context::takeSolids(btCollisionDispatcher& dispatcher, Table table) {
+    for (const int mesh : meshTypes) {
+        for (int solid = 0; solid <= STATIC_PLANE_PROXYTYPE; ++solid) {
+            if (isSolidType(solid) && isWanted({table, mesh, solid}, settings)) {
+                take(dispatcher, table, mesh, solid);
+                take(dispatcher, table, solid, mesh);
+            }
+        }
+    }
+}
+
+/// GImpact's algorithm takes the places of compounds too, and never asks the dispatcher for their children. So Bullet's
+/// own recursion comes back.
+void Context::takeCompounds(btCollisionDispatcher& dispatcher, Table table) {
+    const auto replace = [&](int first, int second, btCollisionAlgorithmCreateFunc* recursion) {
+        const auto* present = creatorIn(dispatcher, table, first, second);
+        if (dynamic_cast<const btGImpactCollisionAlgorithm::CreateFunc*>(present) != nullptr) {
+            take(dispatcher, table, first, second, recursion);
+        }
+    };
+    constexpr int compound = COMPOUND_SHAPE_PROXYTYPE;
+    // No algorithm of GImpact's or ours is for spheres in compounds.
+    replace(compound, GIMPACT_SHAPE_PROXYTYPE, creatorIn(dispatcher, table, compound, SPHERE_SHAPE_PROXYTYPE));
+    replace(GIMPACT_SHAPE_PROXYTYPE, compound, creatorIn(dispatcher, table, SPHERE_SHAPE_PROXYTYPE, compound));
 }
 
 /// A place that somebody else has taken since is theirs.
@@ -106,8 +142,7 @@ void Context::takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int fi
 }
 
 void Context::giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const {
-    if (creatorIn(dispatcher, cell.table, cell.first, cell.second) ==
-        creators[static_cast<std::size_t>(cell.table)].get()) {
+    if (creatorIn(dispatcher, cell.table, cell.first, cell.second) == cell.placed) {
         setCreator(dispatcher, cell.table, cell.first, cell.second, cell.previous);
     }
 }
@@ -122,9 +157,15 @@ bool Context::uninstall(btCollisionDispatcher& dispatcher) {
 
 std::size_t Context::heldCells(const btCollisionDispatcher& dispatcher) const {
     return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](const Cell& cell) {
-        return creatorIn(dispatcher, cell.table, cell.first, cell.second) ==
-               creators[static_cast<std::size_t>(cell.table)].get();
+        return creatorIn(dispatcher, cell.table, cell.first, cell.second) == cell.placed;
     }));
+}
+
+bool Context::isIn(const btCollisionDispatcher& dispatcher) const {
+    return std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
+        return cell.placed == creators[static_cast<std::size_t>(cell.table)].get() &&
+               creatorIn(dispatcher, cell.table, cell.first, cell.second) == cell.placed;
+    });
 }
 
 btCollisionAlgorithm* Context::createForeign(btCollisionAlgorithmConstructionInfo& info,

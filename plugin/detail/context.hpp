@@ -23,7 +23,8 @@ struct Cell {
     int first = 0;
     int second = 0;
     btCollisionAlgorithmCreateFunc* previous = nullptr;
-    bool wasEmpty = false;  ///< it was Bullet's empty algorithm
+    btCollisionAlgorithmCreateFunc* placed = nullptr;  ///< by us: our creator, or Bullet's for compounds
+    bool wasEmpty = false;                             ///< it was Bullet's empty algorithm
 };
 
 class ShapeEntry;
@@ -38,6 +39,8 @@ struct Context : std::enable_shared_from_this<Context> {
     /// Gives them back. False if somebody else holds one of them.
     bool uninstall(btCollisionDispatcher& dispatcher);
     [[nodiscard]] std::size_t heldCells(const btCollisionDispatcher& dispatcher) const;
+    /// Is any creator of ours in them? If not, this context was another dispatcher's, at the same address.
+    [[nodiscard]] bool isIn(const btCollisionDispatcher& dispatcher) const;
 
     /// An algorithm for what is not ours: from whoever had the place, else Bullet's GImpact algorithm if a GImpact
     /// shape is in it. Null if there is none.
@@ -76,7 +79,11 @@ struct Context : std::enable_shared_from_this<Context> {
     std::uint64_t serial = 0;           ///< different for each context of the process
 
   private:
-    void take(btCollisionDispatcher& dispatcher, Table table, int first, int second);
+    void take(btCollisionDispatcher& dispatcher, Table table, int first, int second,
+              btCollisionAlgorithmCreateFunc* placed = nullptr);
+    void takeSolids(btCollisionDispatcher& dispatcher, Table table);
+    void takeCompounds(btCollisionDispatcher& dispatcher, Table table);
+    void giveBackUnwanted(btCollisionDispatcher& dispatcher);
     void takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int first, int second);
     void giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const;
 };

@@ -120,7 +120,7 @@ class PairFinder {
 
     void without(const btCollisionShape& shapeA, const btCollisionShape& shapeB, int first, int second, double count) {
         const bool couldBeOurs =
-            kindOf(shapeA, shapeB, true) != PairKind::foreign || isGImpact(shapeA) || isGImpact(shapeB);
+            kindOf(shapeA, shapeB, Settings{}) != PairKind::foreign || isGImpact(shapeA) || isGImpact(shapeB);
         std::string message = std::string(shapeA.getName()) + " against " + shapeB.getName() + ": " +
                               shortNumber(count) + (count == 1 ? " pair passes" : " pairs pass") +
                               " through each other without a word. ";
@@ -177,7 +177,7 @@ class PairFinder {
         const btCollisionAlgorithmCreateFunc* creator =
             creatorIn(*m_patient.dispatcher, Table::contacts, first.getShapeType(), second.getShapeType());
         return creator == m_patient.context->creators[static_cast<std::size_t>(Table::contacts)].get() &&
-               kindOf(first, second, m_patient.context->settings.convexPairs) != PairKind::foreign;
+               kindOf(first, second, m_patient.context->settings) != PairKind::foreign;
     }
 
     [[nodiscard]] const Patient::Body& bodyAt(int index) const {

@@ -120,6 +120,13 @@ class Finder {
         contact.normal = toEigen(found.m_normalOnBInWorld).normalized();
         contact.signedDistance = static_cast<float>(found.m_distance);
         contact.onB = toEigen(found.m_pointInWorld);
+        // Where the bare shapes just touch, Bullet's point is anywhere along the normal.
+        const Vector3f& face = m_mesh.triangleNormals[triangle];
+        const float across = contact.normal.dot(face);
+        if (std::abs(across) > 0.5F) {
+            const Vector3f onA = contact.onB + contact.normal * contact.signedDistance;
+            contact.onB += contact.normal * ((corner[0] - onA).dot(face) / across);
+        }
         contact.onA = contact.onB + contact.normal * contact.signedDistance;
         contact.triangleA = triangle;
         if (!(contact.signedDistance <= m_maxDistance)) {

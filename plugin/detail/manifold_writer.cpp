@@ -13,6 +13,18 @@ namespace {
 
 static_assert(maxPointsPerRegion <= MANIFOLD_CACHE_SIZE);
 
+TriangleFace faceOf(const btCollisionObjectWrapper& mesh, const Tree* tree, const TriangleId& id,
+                    std::uint32_t triangle) {
+    TriangleFace face;
+    if (tree != nullptr && id.index >= 0) {
+        face.mesh = &mesh;
+        for (std::size_t i = 0; i < 3; ++i) {
+            face.corner[i] = toBullet(tree->vertices[tree->triangles[triangle][i]]);
+        }
+    }
+    return face;
+}
+
 /// In the order of the manifold's bodies.
 BulletPoint toBulletPoint(const PersistentPoint& point, const ContactBodies& bodies, bool aIsBody0) {
     const btVector3 normal = (bodies.b->getWorldTransform().getBasis() * toBullet(point.normalInB)).normalized();
@@ -34,6 +46,10 @@ BulletPoint toBulletPoint(const PersistentPoint& point, const ContactBodies& bod
     result.localB = aIsBody0 ? localB : localA;
     result.triangleA = aIsBody0 ? idA : idB;
     result.triangleB = aIsBody0 ? idB : idA;
+    const TriangleFace faceA = faceOf(*bodies.a, bodies.treeA, idA, point.triangleA);
+    const TriangleFace faceB = faceOf(*bodies.b, bodies.treeB, idB, point.triangleB);
+    result.faceA = aIsBody0 ? faceA : faceB;
+    result.faceB = aIsBody0 ? faceB : faceA;
     return result;
 }
 

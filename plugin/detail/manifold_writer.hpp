@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include <grapeshot/adb/tree.hpp>
 #include <grapeshot/narrowphase/contact_set.hpp>
 #include <grapeshot/plugin/detail/manifold_state.hpp>
 #include <grapeshot/plugin/detail/point_insertion.hpp>
@@ -23,6 +24,8 @@ struct ContactBodies {
     std::span<const MeshPart> partsA, partsB;  ///< empty: no mesh
     btScalar marginA = 0, marginB = 0;         ///< m
     bool aIsFirst = true;                      ///< A is the first body that Bullet named
+    const Tree* treeA = nullptr;               ///< null: nobody asks what the triangles are
+    const Tree* treeB = nullptr;
 };
 
 struct Written {

@@ -22,6 +22,14 @@ int proxyOf(const btCollisionObjectWrapper& wrap) {
     return proxy != nullptr ? proxy->getUid() : -1;
 }
 
+/// Will Bullet call the program's material callback?
+bool tellsProgram(const std::array<const btCollisionObjectWrapper*, 2>& bodies) {
+    return gContactAddedCallback != nullptr && std::ranges::any_of(bodies, [](const btCollisionObjectWrapper* body) {
+               return (body->getCollisionObject()->getCollisionFlags() &
+                       btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK) != 0;
+           });
+}
+
 }  // namespace
 
 PairProcessor::PairProcessor(const btCollisionAlgorithmConstructionInfo& info, std::shared_ptr<Context> context,
@@ -108,7 +116,7 @@ void PairProcessor::processNow(const Bodies& bodies, const btDispatcherInfo& inf
 bool PairProcessor::isChanged(const btCollisionShape& shape0, const btCollisionShape& shape1) const {
     // Another shape may have taken the address.
     return m_shapes[0] != &shape0 || m_shapes[1] != &shape1 || m_types[0] != shape0.getShapeType() ||
-           m_types[1] != shape1.getShapeType() || m_kind != kindOf(shape0, shape1, m_context->settings.convexPairs);
+           m_types[1] != shape1.getShapeType() || m_kind != kindOf(shape0, shape1, m_context->settings);
 }
 
 bool PairProcessor::bind(const Bodies& bodies) {
@@ -119,7 +127,7 @@ bool PairProcessor::bind(const Bodies& bodies) {
             m_shapes[i] = bodies[i]->getCollisionShape();
             m_types[i] = m_shapes[i]->getShapeType();
         }
-        m_kind = kindOf(*m_shapes[0], *m_shapes[1], m_context->settings.convexPairs);
+        m_kind = kindOf(*m_shapes[0], *m_shapes[1], m_context->settings);
         m_contacts.forget();
         m_writer.clear();
         m_breaking = breakingThreshold(bodies);
@@ -305,6 +313,10 @@ void PairProcessor::write(const Bodies& bodies, const PairShapes& shapes, btMani
     ContactBodies contactBodies{shapes.a, shapes.b, shapes.modelA->parts, {}, shapes.marginA, shapes.marginB};
     if (shapes.modelB) {
         contactBodies.partsB = shapes.modelB->parts;
+    }
+    if (m_query || tellsProgram(bodies)) {
+        contactBodies.treeA = &shapes.modelA->mesh->tree;
+        contactBodies.treeB = shapes.modelB ? &shapes.modelB->mesh->tree : nullptr;
     }
     contactBodies.aIsFirst = shapes.a == bodies[0];
     const float reach = 2 * m_context->settings.mergeDistance * m_size.size;

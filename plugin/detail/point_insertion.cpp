@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <optional>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -114,12 +115,22 @@ void addPoint(btPersistentManifold& manifold, const BulletPoint& point, btManifo
     const bool sameOrder = result.getBody0Internal() == manifold.getBody0();
     const TriangleId& first = sameOrder ? point.triangleA : point.triangleB;
     const TriangleId& second = sameOrder ? point.triangleB : point.triangleA;
+    const TriangleFace& firstFace = sameOrder ? point.faceA : point.faceB;
+    const TriangleFace& secondFace = sameOrder ? point.faceB : point.faceA;
     // Solids keep what a compound around them may have set.
     if (first.index >= 0) {
         result.setShapeIdentifiersA(first.part, first.index);
     }
     if (second.index >= 0) {
         result.setShapeIdentifiersB(second.part, second.index);
+    }
+    std::optional<TriangleInPlace> inPlace0;
+    std::optional<TriangleInPlace> inPlace1;
+    if (firstFace.mesh != nullptr) {
+        inPlace0.emplace(firstFace, first, true, result);
+    }
+    if (secondFace.mesh != nullptr) {
+        inPlace1.emplace(secondFace, second, false, result);
     }
     result.addContactPoint(point.normal, point.position, point.depth);
 }

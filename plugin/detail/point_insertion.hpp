@@ -10,7 +10,7 @@
 
 #include <span>
 
-#include <grapeshot/plugin/detail/shape_mesh.hpp>
+#include <grapeshot/plugin/detail/triangle_in_place.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
 namespace grapeshot {
@@ -26,6 +26,7 @@ struct BulletPoint {
     btVector3 localB;
     TriangleId triangleA;  ///< index -1: no mesh
     TriangleId triangleB;
+    TriangleFace faceA, faceB;
 };
 
 inline constexpr bool goesOn = false;

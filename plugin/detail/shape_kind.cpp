@@ -13,10 +13,22 @@ eGIMPACT_SHAPE_TYPE gimpactKind(const btCollisionShape& shape) {
     return static_cast<const btGImpactShapeInterface&>(shape).getGImpactShapeType();
 }
 
+bool isOursAgainst(const btCollisionShape& mesh, const btCollisionShape& solid, const Settings& settings) {
+    if (!isMesh(mesh) || !isSolid(solid)) {
+        return false;
+    }
+    return isGImpact(mesh) ? settings.convexPairs
+                           : solid.getShapeType() == STATIC_PLANE_PROXYTYPE || settings.bvhConvexPairs;
+}
+
 }  // namespace
 
 bool isGImpact(const btCollisionShape& shape) {
     return shape.getShapeType() == GIMPACT_SHAPE_PROXYTYPE;
+}
+
+bool isGImpactCompound(const btCollisionShape& shape) {
+    return isGImpact(shape) && gimpactKind(shape) == CONST_GIMPACT_COMPOUND_SHAPE;
 }
 
 bool isMesh(const btCollisionShape& shape) {
@@ -24,7 +36,8 @@ bool isMesh(const btCollisionShape& shape) {
     if (type == GIMPACT_SHAPE_PROXYTYPE) {
         return gimpactKind(shape) != CONST_GIMPACT_COMPOUND_SHAPE;
     }
-    return type == TRIANGLE_MESH_SHAPE_PROXYTYPE || type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE;
+    return type == TRIANGLE_MESH_SHAPE_PROXYTYPE || type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE ||
+           type == MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
 }
 
 bool isSolid(const btCollisionShape& shape) {
@@ -32,17 +45,14 @@ bool isSolid(const btCollisionShape& shape) {
     return type == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(type);
 }
 
-PairKind kindOf(const btCollisionShape& first, const btCollisionShape& second, bool convexPairs) {
+PairKind kindOf(const btCollisionShape& first, const btCollisionShape& second, const Settings& settings) {
     if (isMesh(first) && isMesh(second)) {
         return PairKind::meshMesh;
     }
-    if (convexPairs && isGImpact(first) && isMesh(first) && isSolid(second)) {
+    if (isOursAgainst(first, second, settings)) {
         return PairKind::meshSolid;
     }
-    if (convexPairs && isGImpact(second) && isMesh(second) && isSolid(first)) {
-        return PairKind::solidMesh;
-    }
-    return PairKind::foreign;
+    return isOursAgainst(second, first, settings) ? PairKind::solidMesh : PairKind::foreign;
 }
 
 btScalar marginOf(const btCollisionShape& mesh) {

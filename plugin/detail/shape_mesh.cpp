@@ -54,6 +54,14 @@ void require(bool condition, Fault fault, const std::string& detail, const std::
     }
 }
 
+void setScale(PartSource& source, const btVector3& scale, const btVector3& further, const std::string& place) {
+    for (int axis = 0; axis < 3; ++axis) {
+        source.scale[axis] = static_cast<double>(scale[axis]) * static_cast<double>(further[axis]);
+        require(std::isfinite(source.scale[axis]) && source.scale[axis] != 0, Fault::badSetting,
+                "scale " + std::to_string(source.scale[axis]), place);
+    }
+}
+
 void addSource(const btStridingMeshInterface* mesh, int part, const btVector3& scale, const btVector3& further,
                std::vector<PartSource>& sources) {
     const std::string place = "part " + std::to_string(part);
@@ -66,11 +74,7 @@ void addSource(const btStridingMeshInterface* mesh, int part, const btVector3& s
                                            &source.indexBase, source.indexStride, source.triangles, source.indexType,
                                            part);
     mesh->unLockReadOnlyVertexBase(part);
-    for (int axis = 0; axis < 3; ++axis) {
-        source.scale[axis] = static_cast<double>(scale[axis]) * static_cast<double>(further[axis]);
-        require(std::isfinite(source.scale[axis]) && source.scale[axis] != 0, Fault::badSetting,
-                "scale " + std::to_string(source.scale[axis]), place);
-    }
+    setScale(source, scale, further, place);
     require(source.vertices >= 0 && source.triangles >= 0, Fault::badSetting, "a negative count", place);
     require(source.vertexBase != nullptr && source.indexBase != nullptr && source.vertices > 0 && source.triangles > 0,
             Fault::emptyMesh, "no vertices or no triangles", place);
@@ -79,6 +83,21 @@ void addSource(const btStridingMeshInterface* mesh, int part, const btVector3& s
     require(source.indexType == PHY_INTEGER || source.indexType == PHY_SHORT || source.indexType == PHY_UCHAR,
             Fault::badSetting, "indices of type " + std::to_string(source.indexType), place);
     require(source.vertexStride >= 0 && source.indexStride >= 0, Fault::badSetting, "a negative stride", place);
+    sources.push_back(source);
+}
+
+void addField(const btHeightfieldTerrainShape& shape, std::vector<PartSource>& sources) {
+    const HeightField field = heightFieldOf(shape);
+    require(field.columns > 1 && field.rows > 1 && shape.getHeightfieldRawData() != nullptr, Fault::emptyMesh,
+            "no heights", "shape");
+    require(field.vertices() < 0x7fffffff && field.triangles() < 0x7fffffff, Fault::tooLarge,
+            "more than 2^31 triangles", "shape");
+    PartSource source;
+    source.field = field;
+    source.vertexBase = shape.getHeightfieldRawData();
+    source.vertices = static_cast<int>(field.vertices());
+    source.triangles = static_cast<int>(field.triangles());
+    setScale(source, shape.getLocalScaling(), {1, 1, 1}, "shape");
     sources.push_back(source);
 }
 
@@ -92,6 +111,17 @@ void addAllParts(const btStridingMeshInterface* mesh, const btVector3& further, 
     require(mesh != nullptr, Fault::emptyMesh, "no mesh interface", "shape");
     for (int part = 0; part < mesh->getNumSubParts(); ++part) {
         addSource(mesh, part, mesh->getScaling(), further, sources);
+    }
+}
+
+void addNames(const PartSource& source, std::uint32_t first, std::vector<MeshPart>& parts) {
+    if (source.field.shape == nullptr) {
+        parts.push_back({source.part, first});
+        return;
+    }
+    for (int part = 0; part < source.field.parts(); ++part) {
+        parts.push_back({part, first});
+        first += static_cast<std::uint32_t>(source.field.trianglesPerPart());
     }
 }
 
@@ -109,24 +139,29 @@ TriangleId idOf(std::span<const MeshPart> parts, std::uint32_t triangle) {
 }
 
 Eigen::Vector3f PartSource::vertex(int index) const {
+    // Beyond single precision (where the conversion would be undefined) is no number.
+    const auto narrowed = [](double value) { return std::abs(value) <= 3.4e38 ? static_cast<float>(value) : NAN; };
+    if (field.shape != nullptr) {
+        const btVector3 point = field.vertex(index);
+        return {narrowed(point.x()), narrowed(point.y()), narrowed(point.z())};
+    }
     const unsigned char* from = vertexBase + static_cast<std::ptrdiff_t>(index) * vertexStride;
     Eigen::Vector3f result;
     for (int axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(axis) * sizeOf(vertexType));
         const double value =
             vertexType == PHY_FLOAT ? static_cast<double>(readAs<float>(from + at)) : readAs<double>(from + at);
-        const double scaled = value * scale[axis];
-        // Beyond single precision (where the conversion would be undefined) is no number.
-        result[axis] = std::abs(scaled) <= 3.4e38 ? static_cast<float>(scaled) : NAN;
+        result[axis] = narrowed(value * scale[axis]);
     }
     return result;
 }
 
 Triangle PartSource::triangle(int index) const {
     const unsigned char* from = indexBase + static_cast<std::ptrdiff_t>(index) * indexStride;
-    Triangle result = indexType == PHY_INTEGER ? readTriangle<std::uint32_t>(from)
-                      : indexType == PHY_SHORT ? readTriangle<std::uint16_t>(from)
-                                               : readTriangle<std::uint8_t>(from);
+    Triangle result = field.shape != nullptr     ? field.triangle(index)
+                      : indexType == PHY_INTEGER ? readTriangle<std::uint32_t>(from)
+                      : indexType == PHY_SHORT   ? readTriangle<std::uint16_t>(from)
+                                                 : readTriangle<std::uint8_t>(from);
     if (scale[0] * scale[1] * scale[2] < 0) {
         std::swap(result[1], result[2]);
     }
@@ -149,6 +184,7 @@ void sourcesOf(const btCollisionShape& shape, std::vector<PartSource>& sources) 
             break;
         }
         case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
             addAllParts(static_cast<const btBvhTriangleMeshShape&>(shape).getMeshInterface(), unscaled, sources);
             break;
         case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE: {
@@ -156,6 +192,9 @@ void sourcesOf(const btCollisionShape& shape, std::vector<PartSource>& sources) 
             addAllParts(scaled.getChildShape()->getMeshInterface(), scaled.getLocalScaling(), sources);
             break;
         }
+        case TERRAIN_SHAPE_PROXYTYPE:
+            addField(static_cast<const btHeightfieldTerrainShape&>(shape), sources);
+            break;
         default:
             break;
     }
@@ -176,7 +215,7 @@ Sliced readMeshInSlices(std::span<const PartSource> sources, ShapeMesh& mesh) {
     mesh.triangles.reserve(triangles);
     for (const PartSource& source : sources) {
         const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-        mesh.parts.push_back({source.part, static_cast<std::uint32_t>(mesh.triangles.size())});
+        addNames(source, static_cast<std::uint32_t>(mesh.triangles.size()), mesh.parts);
         const auto readVertices = [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 mesh.vertices.push_back(source.vertex(static_cast<int>(i)));

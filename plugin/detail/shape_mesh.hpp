@@ -2,7 +2,8 @@
 //
 // Traps that end here: a GImpact mesh consists of parts, each with its own scale, and ignores the scale of its mesh
 // interface but at construction; a BVH mesh takes the interface's; a scaled one both. Indices of 8, 16 or 32 bits,
-// vertices in float or double, any stride. A mirroring scale turns triangles inside out: their corners are swapped.
+// vertices in float or double, any stride. A mirroring scale turns triangles inside out: their corners are swapped. A
+// height field has no triangles at all, only heights: detail/height_field.hpp.
 #pragma once
 
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
@@ -13,6 +14,7 @@
 
 #include <grapeshot/core/mesh_view.hpp>
 #include <grapeshot/core/sliced.hpp>
+#include <grapeshot/plugin/detail/height_field.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
 class btCollisionShape;
@@ -55,6 +57,7 @@ struct PartSource {
     int indexStride = 0;
     int triangles = 0;
     PHY_ScalarType indexType = PHY_INTEGER;
+    HeightField field;  ///< in place of arrays
     friend bool operator==(const PartSource&, const PartSource&) = default;
 
     /// Scaled and narrowed; NaN beyond single precision.
@@ -66,7 +69,7 @@ struct PartSource {
 /// Appends the parts of a mesh shape (see isMesh). The arrays are those that the interface gives out when it is locked;
 /// they are read after it is unlocked, as Bullet's own shapes do between steps.
 /// @throws Error: emptyMesh (no interface, null arrays), badSetting (scale 0 or not finite, unknown types, negative
-/// counts), indexOutOfRange (a part that does not exist)
+/// counts), indexOutOfRange (a part that does not exist), tooLarge (a height field of more than 2^31 triangles)
 void sourcesOf(const btCollisionShape& shape, std::vector<PartSource>& sources);
 
 /// Copies everything.

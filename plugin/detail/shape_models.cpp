@@ -288,9 +288,10 @@ void ShapeModels::notifyChanged(const btCollisionShape& shape) {
     }
 }
 
-std::shared_ptr<const ShapeModel> ShapeModels::present(const btCollisionShape& shape) {
+std::shared_ptr<const ShapeModel> ShapeModels::present(const btCollisionShape& shape, bool onlyIfHeld) {
     const std::shared_ptr<ShapeEntry> found = known(shape);
-    return found ? found->present() : nullptr;
+    constexpr long idle = 2;  // the table and this
+    return found && (!onlyIfHeld || found.use_count() > idle) ? found->present() : nullptr;
 }
 
 /// Under the lock. Which go depends on when they were used, not on their addresses.

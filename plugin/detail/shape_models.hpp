@@ -101,8 +101,9 @@ class ShapeModels {
     /// Hold it as long as the shape is in use.
     std::shared_ptr<ShapeEntry> entry(const btCollisionShape& shape);
     void notifyChanged(const btCollisionShape& shape);
-    /// For drawing: the shape's model if there is one, not checked for edits.
-    std::shared_ptr<const ShapeModel> present(const btCollisionShape& shape);
+    /// The shape's model if there is one, not checked for edits. What nobody holds may be another shape's that was at
+    /// the address.
+    std::shared_ptr<const ShapeModel> present(const btCollisionShape& shape, bool onlyIfHeld = false);
     ModelCache& cache() { return m_cache; }
 
   private:

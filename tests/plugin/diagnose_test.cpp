@@ -1,7 +1,6 @@
 // Finding by finding: a world that has it, and the same world without.
 #include <grapeshot/plugin/diagnose.hpp>
 
-#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <gmock/gmock.h>
 
@@ -10,6 +9,7 @@
 #include <sstream>
 
 #include "bullet_fixture.hpp"
+#include "own_concave_shape.hpp"
 
 namespace grapeshot::test {
 namespace {
@@ -79,10 +79,9 @@ TEST_F(Diagnosing, PairsWithinCompoundsAreSeenAndFilteredOnesAreNot) {
 }
 
 TEST_F(Diagnosing, ShapesThatNobodyKnows) {
-    const std::vector<float> heights(9, 0.0F);
-    btHeightfieldTerrainShape terrain(3, 3, heights.data(), 1, -1, 1, 1, PHY_FLOAT, false);
+    OwnConcaveShape own;
     TestWorld world;
-    world.add(terrain, at({0, 0, 0}));
+    world.add(own, at({0, 0, 0}));
     btRigidBody& mesh = world.add(*bvh, at({0, 2, 0}), 1);
     const auto finding = find(world, FindingCode::noAlgorithm);
     ASSERT_TRUE(finding);
@@ -327,11 +326,8 @@ TEST_F(Budgeted, RefusedPairsAndThoseHandedOn) {
     world.step();
     EXPECT_FALSE(find(world, FindingCode::refused));
     EXPECT_FALSE(find(world, FindingCode::fallbacks));
-    btGImpactCompoundShape compound;
-    btBoxShape child({0.5_s, 0.5_s, 0.5_s});
-    compound.addChildShape(btTransform::getIdentity(), &child);
-    compound.updateBound();
-    world.add(compound, at({0, 0.4_s, 0}), 1, {1, 1, 1});
+    OwnConcaveShape own;
+    world.add(own, at({0, 0.4_s, 0}), 1, {1, 1, 1});
     btRigidBody& lowest = *world.bodies[1];
     btTransform stretched = lowest.getWorldTransform();
     stretched.setBasis(stretched.getBasis().scaled({1.5_s, 1, 1}));

@@ -1,6 +1,5 @@
 #include <grapeshot/plugin/registration.hpp>
 
-#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <gmock/gmock.h>
 
@@ -10,6 +9,7 @@
 #include <grapeshot/plugin/detail/dispatch_tables.hpp>
 
 #include "bullet_fixture.hpp"
+#include "own_concave_shape.hpp"
 
 namespace grapeshot::test {
 namespace {
@@ -18,7 +18,7 @@ using detail::creatorIn;
 using detail::Table;
 
 constexpr std::array ourTypes{TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE,
-                              GIMPACT_SHAPE_PROXYTYPE};
+                              MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE, TERRAIN_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE};
 
 using Tables = std::vector<btCollisionAlgorithmCreateFunc*>;
 Tables tablesOf(const btCollisionDispatcher& dispatcher) {
@@ -57,8 +57,10 @@ TEST_F(Dispatching, TakesBothTablesAndBothOrders) {
             EXPECT_FALSE(isOurs(dispatcher, table, TRIANGLE_MESH_SHAPE_PROXYTYPE, i)) << i;
             EXPECT_FALSE(isOurs(dispatcher, table, i, TRIANGLE_MESH_SHAPE_PROXYTYPE)) << i;
         }
-        EXPECT_TRUE(isOurs(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, STATIC_PLANE_PROXYTYPE));
-        EXPECT_TRUE(isOurs(dispatcher, table, STATIC_PLANE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE));
+        for (const int mesh : ourTypes) {
+            EXPECT_TRUE(isOurs(dispatcher, table, mesh, STATIC_PLANE_PROXYTYPE)) << mesh;
+            EXPECT_TRUE(isOurs(dispatcher, table, STATIC_PLANE_PROXYTYPE, mesh)) << mesh;
+        }
     }
 }
 
@@ -315,38 +317,75 @@ void destroy(TestWorld& world, btCollisionAlgorithm* algorithm) {
     world.dispatcher.freeCollisionAlgorithm(algorithm);
 }
 
-TEST(Fallback, GImpactCompoundAndHeightfieldGetBulletsAlgorithmAndAreCounted) {
+TEST(Fallback, AConcaveShapeOfTheProgramsGetsBulletsAlgorithmAndIsCounted) {
     MeshShape mesh(scenes::box({0.5F, 0.5F, 0.5F}));
-    btGImpactCompoundShape compound;
-    btBoxShape child({0.5_s, 0.5_s, 0.5_s});
-    compound.addChildShape(btTransform::getIdentity(), &child);
-    compound.updateBound();
-    const std::vector<float> heights(9, 0.0F);
-    btHeightfieldTerrainShape terrain(3, 3, heights.data(), 1, -1, 1, 1, PHY_FLOAT, false);
+    OwnConcaveShape own;
     TestWorld world;
     std::uint64_t expected = 0;
-    for (btCollisionShape* other :
-         {static_cast<btCollisionShape*>(&compound), static_cast<btCollisionShape*>(&terrain)}) {
-        for (const bool swapped : {false, true}) {
-            btCollisionAlgorithm* made = swapped ? make(world, *other, *mesh) : make(world, *mesh, *other);
-            EXPECT_NE(dynamic_cast<btGImpactCollisionAlgorithm*>(made), nullptr);
-            EXPECT_EQ(world.stats().fallbacks, ++expected);
-            destroy(world, made);
-        }
+    for (const bool swapped : {false, true}) {
+        btCollisionAlgorithm* made = swapped ? make(world, own, *mesh) : make(world, *mesh, own);
+        EXPECT_NE(dynamic_cast<btGImpactCollisionAlgorithm*>(made), nullptr);
+        EXPECT_EQ(world.stats().fallbacks, ++expected);
+        destroy(world, made);
     }
     EXPECT_EQ(world.stats().algorithms, 0U);
 }
 
-TEST(Fallback, WhoWasThereBeforeServesGImpactCompounds) {
+TEST(Fallback, WhoWasThereBeforeServesWhatIsNotOurs) {
     MeshShape mesh(scenes::box({0.5F, 0.5F, 0.5F}));
+    OwnConcaveShape own;
     btGImpactCompoundShape compound;
+    Settings settings;
+    settings.convexPairs = false;
     TestWorld world({}, false);
     btGImpactCollisionAlgorithm::registerAlgorithm(&world.dispatcher);
-    ASSERT_EQ(registerAlgorithms(&world.dispatcher), Status::ok);
-    btCollisionAlgorithm* made = make(world, *mesh, compound);
-    EXPECT_NE(dynamic_cast<btGImpactCollisionAlgorithm*>(made), nullptr);
+    ASSERT_EQ(registerAlgorithms(&world.dispatcher, settings), Status::ok);
+    for (btCollisionShape* other : {static_cast<btCollisionShape*>(&own), static_cast<btCollisionShape*>(&compound)}) {
+        btCollisionAlgorithm* made = make(world, *mesh, *other);
+        EXPECT_NE(dynamic_cast<btGImpactCollisionAlgorithm*>(made), nullptr) << other->getName();
+        destroy(world, made);
+    }
     EXPECT_EQ(world.stats().fallbacks, 0U);
-    destroy(world, made);
+}
+
+TEST_F(Dispatching, CompoundsComeBackToBulletsRecursionAfterGImpact) {
+    const auto compoundsOf = [&](Table table) {
+        return std::array{creatorIn(dispatcher, table, COMPOUND_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE),
+                          creatorIn(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, COMPOUND_SHAPE_PROXYTYPE)};
+    };
+    const auto plain = compoundsOf(Table::contacts);
+    btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher);
+    const auto taken = compoundsOf(Table::contacts);
+    ASSERT_NE(taken, plain);
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    EXPECT_EQ(compoundsOf(Table::contacts), plain);
+    Settings settings;
+    settings.convexPairs = false;
+    ASSERT_EQ(registerAlgorithms(&dispatcher, settings), Status::ok);
+    EXPECT_EQ(compoundsOf(Table::contacts), taken);
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    EXPECT_EQ(compoundsOf(Table::contacts), plain);
+    ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
+    EXPECT_EQ(compoundsOf(Table::contacts), taken);
+}
+
+TEST_F(Dispatching, ConvexAgainstBvhIsTakenOnlyWhenAsked) {
+    const Tables before = tablesOf(dispatcher);
+    Settings settings;
+    settings.bvhConvexPairs = true;
+    ASSERT_EQ(registerAlgorithms(&dispatcher, settings), Status::ok);
+    for (const Table table : {Table::contacts, Table::closest}) {
+        for (const int mesh : ourTypes) {
+            for (int i = 0; i < CONCAVE_SHAPES_START_HERE; ++i) {
+                EXPECT_TRUE(isOurs(dispatcher, table, mesh, i)) << mesh << ' ' << i;
+                EXPECT_TRUE(isOurs(dispatcher, table, i, mesh)) << mesh << ' ' << i;
+            }
+        }
+    }
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    EXPECT_FALSE(isOurs(dispatcher, Table::contacts, TRIANGLE_MESH_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE));
+    ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
+    EXPECT_EQ(tablesOf(dispatcher), before);
 }
 
 }  // namespace
