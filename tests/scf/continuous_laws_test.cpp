@@ -240,17 +240,21 @@ std::vector<TrueImpact> allImpacts(const Scene::Event& event) {
 /// How many of the pairs that wait have an impact before the limit?
 std::uint64_t trueHits(const Scene& scene, const std::vector<TrueImpact>& impacts, const detail::ImpactFront& front,
                        double limit) {
+    const auto below = [](const BallTree& tree, BallRef ref) {
+        std::vector<std::uint32_t> list;
+        listTriangles(tree, ref, list);
+        std::vector<char> isBelow(tree.surface.triangles.size(), 0);
+        for (const std::uint32_t t : list) {
+            isBelow[t] = 1;
+        }
+        return isBelow;
+    };
     std::uint64_t count = 0;
     for (const detail::WaitingPair& pair : front.pieces) {
-        std::vector<std::uint32_t> belowA;
-        std::vector<std::uint32_t> belowB;
-        listTriangles(scene.a, pair.a, belowA);
-        listTriangles(scene.b, pair.b, belowB);
-        std::ranges::sort(belowA);
-        std::ranges::sort(belowB);
+        const std::vector<char> belowA = below(scene.a, pair.a);
+        const std::vector<char> belowB = below(scene.b, pair.b);
         count += std::ranges::any_of(impacts, [&](const TrueImpact& impact) {
-            return impact.time < limit && std::ranges::binary_search(belowA, impact.a) &&
-                   std::ranges::binary_search(belowB, impact.b);
+            return impact.time < limit && belowA[impact.a] != 0 && belowB[impact.b] != 0;
         });
     }
     for (const detail::WaitingPair& pair : front.triangles) {
@@ -347,12 +351,12 @@ TEST(ImpactLaws, SameBytesOnEveryInstructionSetAndAgain) {
     const InstructionSetGuard guard;
     const Scene scene;
     std::vector<std::vector<std::byte>> expected;
-    std::size_t hits = 0;
     for (int run = 0; run < 2; ++run) {
         for (const InstructionSet set : instructionSets()) {
             limitInstructionSet(set);
             ImpactQuery query(scene.a, scene.b);
             std::vector<std::vector<std::byte>> all;
+            std::size_t hits = 0;
             for (std::uint64_t seed = 0; seed < 12; ++seed) {
                 const Scene::Event event = scene.event(seed);
                 SurfaceMotion turning = event.b.motion();
@@ -367,9 +371,9 @@ TEST(ImpactLaws, SameBytesOnEveryInstructionSetAndAgain) {
             }
             expected = expected.empty() ? all : expected;
             EXPECT_EQ(all, expected);
+            EXPECT_GE(hits, 8U);
         }
     }
-    EXPECT_GT(hits, 30U);
 }
 
 TEST(ImpactLaws, DiscreteQueriesMissWhatPassesThrough) {
