@@ -30,8 +30,8 @@ Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()
     creators[0] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, false);
     creators[1] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, true);
     gimpact = std::make_unique<btGImpactCollisionAlgorithm::CreateFunc>();
-    // So that counting cannot fail: three types of meshes against all types.
-    statistics.taken.reserve(std::size_t{3} * MAX_BROADPHASE_COLLISION_TYPES);
+    // All pairs of types, so that counting cannot fail.
+    statistics.taken.reserve(std::size_t{MAX_BROADPHASE_COLLISION_TYPES} * (MAX_BROADPHASE_COLLISION_TYPES + 1) / 2);
 }
 
 Context::~Context() = default;
