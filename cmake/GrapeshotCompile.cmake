@@ -8,8 +8,10 @@ set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 add_library(grapeshot_warnings INTERFACE)
 target_compile_features(grapeshot_warnings INTERFACE cxx_std_20)
 # Same bytes on every instruction set: no contraction of a * b + c (separate rounding is part of the contract).
-target_compile_options(grapeshot_warnings INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wpedantic -Wnon-virtual-dtor
-                                                    -Woverloaded-virtual -Wundef)
+# Of several sources compiled as one, a local name of one may be that of a constant of another.
+set(shadow $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>)
+target_compile_options(grapeshot_warnings INTERFACE -ffp-contract=off -Wall -Wextra ${shadow} -Wpedantic
+                                                    -Wnon-virtual-dtor -Woverloaded-virtual -Wundef)
 # Nobody replaces a function of a library of ours by one of the same name, so calls within it may be inlined.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(grapeshot_warnings INTERFACE -fno-semantic-interposition)

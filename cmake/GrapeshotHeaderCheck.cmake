@@ -16,6 +16,7 @@ function(grapeshot_check_headers name target)
     add_library(${name} OBJECT ${sources})
     target_link_libraries(${name} PRIVATE ${target} grapeshot_flags)
     target_compile_options(${name} PRIVATE -O0 -g0)  # only whether they compile
+    set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
 endfunction()
 
 grapeshot_check_headers(grapeshot_header_check Grapeshot::grapeshot ROOMS core adb scf narrowphase)

@@ -16,7 +16,7 @@
 namespace grapeshot::test {
 namespace {
 
-const std::vector<PairCase>& cases() {
+const std::vector<PairCase>& lawCases() {
     static const std::vector<PairCase> all =
         pairCases({scenes::bumpySphere(1, 0.25F, 6, 10), scenes::torusKnot(2, 3, 1, 0.5F, 0.2F, 100, 10),
                    scenes::gear(1, 0.2F, 0.3F, 0.3F, 12, 2)},
@@ -41,7 +41,7 @@ void expectSame(const Contacts& a, const Contacts& b) {
 constexpr Order orders[] = {Order::depthFirst, Order::bestFirst};
 
 TEST(Laws, SampleIsRepresentative) {
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         Query query(pair.a, pair.b);
         const auto colliding = std::count_if(pair.poses.begin(), pair.poses.end(), [&](const Pose& pose) {
             return query.decide(pose, DecideSettings::exact()).collides;
@@ -52,7 +52,7 @@ TEST(Laws, SampleIsRepresentative) {
 }
 
 TEST(Laws, SwappedBodiesCollideAlike) {
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         Query query(pair.a, pair.b);
         Query swapped(pair.b, pair.a);
         const double size = sizeOf(pair.a) + sizeOf(pair.b);
@@ -70,7 +70,7 @@ TEST(Laws, SwappedBodiesCollideAlike) {
 
 TEST(Laws, MovingBothBodiesChangesNothing) {
     Random random(6);
-    const PairCase& pair = cases()[0];
+    const PairCase& pair = lawCases()[0];
     Query query(pair.a, pair.b);
     for (std::size_t i = 0; i < pair.poses.size(); i += 8) {
         // The same surfaces, A's in another frame.
@@ -87,7 +87,7 @@ TEST(Laws, MovingBothBodiesChangesNothing) {
 }
 
 TEST(Laws, BothOrdersEndAlike) {
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         Query query(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {
             EXPECT_EQ(query.decide(pose, DecideSettings::exact(Order::depthFirst)).collides,
@@ -108,7 +108,7 @@ TEST(Laws, BothOrdersEndAlike) {
 
 TEST(Laws, ResumedAnywhereIsUninterrupted) {
     Random random(7);
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         for (const Order order : orders) {
             Query whole(pair.a, pair.b);
             Query pieces(pair.a, pair.b);
@@ -135,7 +135,7 @@ TEST(Laws, ResumedAnywhereIsUninterrupted) {
 
 TEST(Laws, ResumedContactsAreUninterrupted) {
     Random random(8);
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         Query whole(pair.a, pair.b);
         Query pieces(pair.a, pair.b);
         for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
@@ -166,7 +166,7 @@ TEST(Laws, ResumedContactsAreUninterrupted) {
 }
 
 TEST(Laws, MoreBudgetIsNeverWorse) {
-    const PairCase& pair = cases()[0];
+    const PairCase& pair = lawCases()[0];
     for (const Order order : orders) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 4) {
             const bool truth = Query(pair.a, pair.b).decide(pair.poses[i], DecideSettings::exact()).collides;
@@ -184,7 +184,7 @@ TEST(Laws, MoreBudgetIsNeverWorse) {
 }
 
 TEST(Laws, NoBudgetSaysWhatIsKnown) {
-    const PairCase& pair = cases()[0];
+    const PairCase& pair = lawCases()[0];
     Query query(pair.a, pair.b);
     for (const Budget& none :
          {Budget{0}, Budget{unlimited, std::chrono::nanoseconds(0)}, Budget{unlimited, std::chrono::nanoseconds(-5)}}) {
@@ -206,7 +206,7 @@ std::chrono::nanoseconds tickingClock() noexcept {
 }
 
 TEST(Laws, TimeIsLookedAtEvery32Units) {
-    const PairCase& pair = cases()[0];
+    const PairCase& pair = lawCases()[0];
     Query query(pair.a, pair.b);
     const ContactSettings settings{0.05F, Order::depthFirst};
     const Contacts all = query.contacts(Pose{Eigen::Matrix3f::Identity(), {0.3F, 0, 0}}, settings);
@@ -222,7 +222,7 @@ TEST(Laws, TimeIsLookedAtEvery32Units) {
 }
 
 TEST(Laws, ACopyResumesOnItsOwn) {
-    const PairCase& pair = cases()[1];
+    const PairCase& pair = lawCases()[1];
     for (const Order order : orders) {
         for (std::size_t i = 0; i < pair.poses.size(); i += 5) {
             Query original(pair.a, pair.b);
@@ -243,7 +243,7 @@ TEST(Laws, ACopyResumesOnItsOwn) {
 }
 
 TEST(Laws, NothingToResume) {
-    const PairCase& pair = cases()[0];
+    const PairCase& pair = lawCases()[0];
     Query query(pair.a, pair.b);
     Contacts contacts;
     LeafPairs leaves;
@@ -259,7 +259,7 @@ TEST(Laws, NothingToResume) {
 TEST(Laws, EveryInstructionSetGivesTheSameBytes) {
     const InstructionSetGuard guard;
     const std::vector<InstructionSet> sets = instructionSets();
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         for (const Order order : orders) {
             std::vector<Decision> decisions;
             std::vector<Contacts> contacts;
@@ -289,7 +289,7 @@ TEST(Laws, EveryInstructionSetGivesTheSameBytes) {
 }
 
 TEST(Laws, SameTwice) {
-    for (const PairCase& pair : cases()) {
+    for (const PairCase& pair : lawCases()) {
         Query first(pair.a, pair.b);
         Query second(pair.a, pair.b);
         for (const Pose& pose : pair.poses) {

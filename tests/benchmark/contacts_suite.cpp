@@ -80,14 +80,14 @@ report::Row rowOf(const RegionScore& scored, const Times& times) {
     return row;
 }
 
-struct Sizes {
+struct ContactSizes {
     int poses, repetitions;
 };
 
 /// Ratios to the decimated mesh by the estimate's budget, one per mesh and penetration.
 using RatiosByBudget = std::map<std::uint64_t, std::vector<double>>;
 
-void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration& penetration, const Sizes& sizes,
+void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration& penetration, const ContactSizes& sizes,
               const std::vector<ContactMethod>& methods, const Options& options, RatiosByBudget& ratiosByBudget,
               std::vector<Forecast>& forecasts, report::Report& results) {
     const Tree& tree = model.tree;
@@ -168,8 +168,8 @@ void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration&
 }  // namespace
 
 report::Report runContactsSuite(const Options& options) {
-    const Sizes sizes{.poses = options.poses.value_or(options.quick ? 12 : 250),
-                      .repetitions = options.repetitions.value_or(options.quick ? 1 : 5)};
+    const ContactSizes sizes{.poses = options.poses.value_or(options.quick ? 12 : 250),
+                             .repetitions = options.repetitions.value_or(options.quick ? 1 : 5)};
     report::Report results{.suite = "contacts", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
     RatiosByBudget ratiosByBudget;
     std::vector<Forecast> forecasts;

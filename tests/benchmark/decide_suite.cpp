@@ -21,7 +21,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-struct Sizes {
+struct DecideSizes {
     int zachmann, slowPeers, grazing, nested;  ///< poses of each kind per mesh
     int repetitions;
 };
@@ -75,7 +75,7 @@ Truth beginning(const Truth& truth, std::size_t count) {
     return part;
 }
 
-void runMesh(const NamedMesh& named, const Options& options, const Sizes& sizes, const StoppedPrior& prior,
+void runMesh(const NamedMesh& named, const Options& options, const DecideSizes& sizes, const StoppedPrior& prior,
              Totals& zachmannTotals, Totals& grazingTotals, report::Report& results) {
     const MeshView mesh = named.mesh.view();
     const Tree tree = build(mesh);
@@ -109,7 +109,7 @@ void runMesh(const NamedMesh& named, const Options& options, const Sizes& sizes,
 /// A mesh of more triangles takes an exact answer too long.
 constexpr std::size_t mostNested = 100'000;
 
-void runNested(const std::vector<NamedMesh>& meshes, const Options& options, const Sizes& sizes,
+void runNested(const std::vector<NamedMesh>& meshes, const Options& options, const DecideSizes& sizes,
                report::Report& results) {
     double wrong = 0;
     double poses = 0;
@@ -162,11 +162,11 @@ void claimSpeed(const std::vector<Overall>& zachmann, const std::vector<Overall>
 
 report::Report runDecideSuite(const Options& options) {
     const bool quick = options.quick;
-    const Sizes sizes{.zachmann = options.poses.value_or(quick ? 1'200 : 12'000),
-                      .slowPeers = quick ? 24 : 300,
-                      .grazing = quick ? 120 : 1'200,
-                      .nested = quick ? 12 : 40,
-                      .repetitions = options.repetitions.value_or(quick ? 1 : 5)};
+    const DecideSizes sizes{.zachmann = options.poses.value_or(quick ? 1'200 : 12'000),
+                            .slowPeers = quick ? 24 : 300,
+                            .grazing = quick ? 120 : 1'200,
+                            .nested = quick ? 12 : 40,
+                            .repetitions = options.repetitions.value_or(quick ? 1 : 5)};
     report::Report results{.suite = "decide", .seed = options.seed, .quick = quick, .rows = {}, .claims = {}};
     const auto wanted = [&](const char* scenario) {
         return std::ranges::find(options.scenarios, scenario) != options.scenarios.end();

@@ -16,7 +16,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr int distances = 12;
+constexpr int promiseDistances = 12;
 constexpr double missLimit = 0.01;  // what is promised
 constexpr double falseAlarmLimit = 0.05;
 constexpr double confidence = 0.95;
@@ -109,7 +109,9 @@ report::Row runMesh(const NamedMesh& named, const Options& options, int testPose
     const DecideSettings settings = withoutWitness(certificate.settings);
     // By the tests' generator, not the library's: the distribution is what its name says.
     const std::vector<Pose> poses =
-        test::zachmannPoses(tree, tree, distances, (testPoses + distances - 1) / distances, options.seed + 1).poses;
+        test::zachmannPoses(tree, tree, promiseDistances, (testPoses + promiseDistances - 1) / promiseDistances,
+                            options.seed + 1)
+            .poses;
     const Answers answers = answer(tree, settings, poses);
     const Timing timing = measure(tree, settings, poses, repetitions);
 

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t mostSteps = 96;
 /// The errors that the gates allow are upper limits of this confidence on the meshes for fitting; among them are thin
 /// knots, which are the hardest.
-constexpr double confidence = 0.95;
+constexpr double gateConfidence = 0.95;
 
 /// What an estimate without limits goes through on one pose.
 struct Course {
@@ -84,7 +84,7 @@ Cost costOf(const std::vector<std::vector<Course>>& meshes, float acceptAt, floa
 
 bool keeps(const Cost& cost, double percent) {
     return cost.errorPercent <= percent && 100 * upperRate(static_cast<std::uint64_t>(cost.errors),
-                                                           static_cast<std::uint64_t>(cost.poses), confidence) <=
+                                                           static_cast<std::uint64_t>(cost.poses), gateConfidence) <=
                                                percent;
 }
 

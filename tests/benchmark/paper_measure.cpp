@@ -8,14 +8,14 @@
 
 namespace grapeshot::bench {
 
-Truth truthOf(const PaperModel& model, const Turns& turns) {
+PaperTruth truthOf(const PaperModel& model, const Turns& turns) {
     // In single precision poses closer than this to touching may go either way, m.
     constexpr double borderline = 4e-6;
     const Tree tree = build(model.mesh.view());
     Query library(tree, tree);
     reference::ExactQuery<reference::Box> boxes(model.boxes, model.boxes);
     reference::ExactQuery<PaperDop> dops(model.dops, model.dops);
-    Truth truth;
+    PaperTruth truth;
     for (const std::vector<Pose>& poses : turns.poses) {
         std::vector<char>& answers = truth.collides.emplace_back();
         for (const Pose& pose : poses) {
@@ -37,7 +37,7 @@ Truth truthOf(const PaperModel& model, const Turns& turns) {
     return truth;
 }
 
-Errors& Errors::operator+=(const Errors& other) {
+PaperErrors& PaperErrors::operator+=(const PaperErrors& other) {
     n += other.n;
     colliding += other.colliding;
     falseNegatives += other.falseNegatives;
@@ -50,7 +50,7 @@ Errors& Errors::operator+=(const Errors& other) {
     return *this;
 }
 
-double meanPercent(const std::vector<Errors>& errors, const Turns& turns, double low, double high) {
+double meanPercent(const std::vector<PaperErrors>& errors, const Turns& turns, double low, double high) {
     double sum = 0;
     double count = 0;
     for (std::size_t d = 0; d < errors.size(); ++d) {
@@ -62,9 +62,9 @@ double meanPercent(const std::vector<Errors>& errors, const Turns& turns, double
     return count > 0 ? sum / count : 0;
 }
 
-Errors total(const std::vector<Errors>& errors) {
-    Errors sum;
-    for (const Errors& one : errors) {
+PaperErrors total(const std::vector<PaperErrors>& errors) {
+    PaperErrors sum;
+    for (const PaperErrors& one : errors) {
         sum += one;
     }
     return sum;

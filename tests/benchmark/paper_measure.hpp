@@ -15,7 +15,7 @@
 namespace grapeshot::bench {
 
 /// Exact answers to all poses of a model.
-struct Truth {
+struct PaperTruth {
     std::vector<std::vector<char>> collides;  ///< per distance, per pose
     std::size_t poses = 0;
     std::size_t betweenExact = 0;  ///< poses on which boxes and DOPs disagree
@@ -23,10 +23,10 @@ struct Truth {
     double boxTests = 0;           ///< volume tests per query
     double dopTests = 0;
 };
-[[nodiscard]] Truth truthOf(const PaperModel& model, const Turns& turns);
+[[nodiscard]] PaperTruth truthOf(const PaperModel& model, const Turns& turns);
 
 /// Of the queries whose outermost volumes intersect.
-struct Errors {
+struct PaperErrors {
     std::size_t n = 0;
     std::size_t colliding = 0;
     std::size_t falseNegatives = 0;
@@ -42,15 +42,16 @@ struct Errors {
         const auto wrong = static_cast<double>(falseNegatives + falsePositives);
         return n == 0 ? 0 : 100 * wrong / static_cast<double>(n);
     }
-    Errors& operator+=(const Errors& other);
+    PaperErrors& operator+=(const PaperErrors& other);
 };
 
 /// Counts per distance.
 template <class V>
-[[nodiscard]] std::vector<Errors> errorsOf(reference::AdbQuery<V>& query, const Turns& turns, const Truth& truth) {
-    std::vector<Errors> result;
+[[nodiscard]] std::vector<PaperErrors> errorsOf(reference::AdbQuery<V>& query, const Turns& turns,
+                                                const PaperTruth& truth) {
+    std::vector<PaperErrors> result;
     for (std::size_t d = 0; d < turns.poses.size(); ++d) {
-        Errors& errors = result.emplace_back();
+        PaperErrors& errors = result.emplace_back();
         for (std::size_t i = 0; i < turns.poses[d].size(); ++i) {
             const reference::Answer answer = query.decide(turns.poses[d][i]);
             const bool collides = truth.collides[d][i] != 0;
@@ -72,8 +73,8 @@ template <class V>
 }
 
 /// Mean over the distances within [low, high], %: how the paper averages its curves.
-[[nodiscard]] double meanPercent(const std::vector<Errors>& errors, const Turns& turns, double low, double high);
-[[nodiscard]] Errors total(const std::vector<Errors>& errors);
+[[nodiscard]] double meanPercent(const std::vector<PaperErrors>& errors, const Turns& turns, double low, double high);
+[[nodiscard]] PaperErrors total(const std::vector<PaperErrors>& errors);
 
 /// Mean time per query, us, of one turn.
 template <class Query>
@@ -90,17 +91,18 @@ double timeTurn(Query& query, const std::vector<Pose>& poses) {
 }
 
 /// Per distance, us: medians of the repetitions; the ratios are medians of the repetitions' ratios.
-struct Times {
+struct PaperTimes {
     std::vector<double> adb, dop, box;
     std::vector<double> dopRatio, boxRatio;  ///< exact / ADB
 };
 
 /// All three on the same turn, one right after the other and taking turns in going first.
 template <class V>
-[[nodiscard]] Times timesOf(reference::AdbQuery<V>& adb, const PaperModel& model, const Turns& turns, int repetitions) {
+[[nodiscard]] PaperTimes timesOf(reference::AdbQuery<V>& adb, const PaperModel& model, const Turns& turns,
+                                 int repetitions) {
     reference::ExactQuery<PaperDop> dop(model.dops, model.dops);
     reference::ExactQuery<reference::Box> box(model.boxes, model.boxes);
-    Times times;
+    PaperTimes times;
     for (const std::vector<Pose>& poses : turns.poses) {
         std::vector<double> each[3];
         std::vector<double> ratios[2];

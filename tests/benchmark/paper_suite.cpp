@@ -62,13 +62,13 @@ void addPublishedRows(const std::vector<PublishedCurve>& curves, report::Report&
     }
 }
 
-void addSummary(const PaperModel& model, const std::string& method, const std::vector<Errors>& errors,
-                const Times& times, const Turns& turns, const Truth& truth, const report::NamedNumbers& parameters,
-                report::Report& results) {
+void addSummary(const PaperModel& model, const std::string& method, const std::vector<PaperErrors>& errors,
+                const PaperTimes& times, const Turns& turns, const PaperTruth& truth,
+                const report::NamedNumbers& parameters, report::Report& results) {
     report::Row row = rowFor("summary", model, method);
     fillRow(row, total(errors), truth.poses);
     double worst = 0;
-    for (const Errors& one : errors) {
+    for (const PaperErrors& one : errors) {
         worst = std::max(worst, one.percent());
     }
     row.measured = parameters;
@@ -85,12 +85,12 @@ void addSummary(const PaperModel& model, const std::string& method, const std::v
 }
 
 struct Measured {
-    std::vector<Errors> errors;
-    Times times;
+    std::vector<PaperErrors> errors;
+    PaperTimes times;
 };
 
 Measured measurePoint(const PaperModel& model, const std::string& method, const Point& point, const Turns& turns,
-                      const Truth& truth, int repetitions, report::Report& results) {
+                      const PaperTruth& truth, int repetitions, report::Report& results) {
     const reference::CellCounts cells = reference::countCells(model.boxes, point.fill);
     const Settings settings = paperSettings(point.pMin);
     reference::AdbQuery<reference::Box> query({model.boxes, cells}, {model.boxes, cells}, settings);
@@ -99,7 +99,7 @@ Measured measurePoint(const PaperModel& model, const std::string& method, const 
     return measured;
 }
 
-MeasuredCurves addDistances(const PaperModel& model, const std::vector<Errors>& errors, const Times& times,
+MeasuredCurves addDistances(const PaperModel& model, const std::vector<PaperErrors>& errors, const PaperTimes& times,
                             const Turns& turns, report::Report& results) {
     MeasuredCurves curves{model.name, turns.distances, {}, times.adb, times.dop, times.dopRatio};
     for (std::size_t d = 0; d < turns.distances.size(); ++d) {
@@ -120,7 +120,7 @@ MeasuredCurves addDistances(const PaperModel& model, const std::vector<Errors>& 
 /// The same point over another kind of volume.
 template <class V>
 void addVolume(const PaperModel& model, const std::string& method, const Point& point, const Turns& turns,
-               const Truth& truth, report::Report& results) {
+               const PaperTruth& truth, report::Report& results) {
     const reference::BoundedTree<V> tree = reference::bounded<V>(model.boxes.hierarchy);
     const reference::CellCounts cells = reference::countCells(tree, point.fill);
     const Settings settings = paperSettings(point.pMin);
@@ -130,7 +130,7 @@ void addVolume(const PaperModel& model, const std::string& method, const Point& 
 }
 
 /// One assumption at a time taken out, or one printed version instead of another.
-void addVariants(const PaperModel& model, const Point& point, const Turns& turns, const Truth& truth,
+void addVariants(const PaperModel& model, const Point& point, const Turns& turns, const PaperTruth& truth,
                  report::Report& results) {
     const reference::CellCounts cells = reference::countCells(model.boxes, point.fill);
     const auto add = [&](const std::string& method, const reference::CellCounts& counts, Settings settings) {
@@ -209,7 +209,7 @@ report::Report runPaperSuite(const Options& options) {
     for (NamedMesh& shape : shapes) {
         const PaperModel model = paperModel(std::move(shape));
         std::cerr << model.name << " ...\n";
-        const Truth truth = truthOf(model, all);
+        const PaperTruth truth = truthOf(model, all);
         const Measured accurate =
             measurePoint(model, "ADB of AABBs", surface.accurate, all, truth, repetitions, results);
         measurePoint(model, "ADB of AABBs, fast", surface.fast, all, truth, repetitions, results);

@@ -19,7 +19,7 @@ struct Grade {
 /// in every run. Times stand beside it in the rows.
 constexpr double dopTest = 2;
 
-double costOf(const Errors& errors, std::size_t queries, int grid) {
+double costOf(const PaperErrors& errors, std::size_t queries, int grid) {
     // Up to 4^3 cells the table holds all probabilities.
     const double estimate = grid <= 4 ? 4 : 6;
     return (errors.volumeTests + estimate * errors.estimates) / static_cast<double>(queries);
@@ -30,7 +30,7 @@ using Key = std::tuple<int, double, double>;
 void measureModel(const PaperModel& model, const Turns& turns, const std::vector<int>& grids,
                   const std::vector<double>& taus, const std::vector<double>& pMins, std::vector<report::Row>& rows,
                   std::map<Key, Grade>& grades) {
-    const Truth truth = truthOf(model, turns);
+    const PaperTruth truth = truthOf(model, turns);
     reference::ExactQuery<PaperDop> dop(model.dops, model.dops);
     for (const int grid : grids) {
         for (const reference::CellCounts& cells : reference::countCells(model.boxes, grid, taus)) {
@@ -44,7 +44,7 @@ void measureModel(const PaperModel& model, const Turns& turns, const std::vector
                     exact += timeTurn(dop, poses);
                     ours += timeTurn(query, poses);
                 }
-                const std::vector<Errors> errors = errorsOf(query, turns, truth);
+                const std::vector<PaperErrors> errors = errorsOf(query, turns, truth);
                 const double percent = meanPercent(errors, turns, 0, INFINITY);
                 report::Row row;
                 row.scenario = "surface";
@@ -120,7 +120,7 @@ report::NamedNumbers parameters(const Point& point, int kMin) {
     return {{"tau", point.fill.tau}, {"grid", point.fill.grid}, {"pMin", point.pMin}, {"kMin", kMin}};
 }
 
-void fillRow(report::Row& row, const Errors& errors, std::size_t queries) {
+void fillRow(report::Row& row, const PaperErrors& errors, std::size_t queries) {
     const auto each = static_cast<double>(queries);
     row.n = errors.n;
     row.colliding = static_cast<double>(errors.colliding);

@@ -33,6 +33,6 @@ struct Surface {
 /// Parameters of a point, for rows.
 [[nodiscard]] report::NamedNumbers parameters(const Point& point, int kMin);
 /// Counts into a row.
-void fillRow(report::Row& row, const Errors& errors, std::size_t queries);
+void fillRow(report::Row& row, const PaperErrors& errors, std::size_t queries);
 
 }  // namespace grapeshot::bench

@@ -6,17 +6,17 @@ namespace grapeshot::bench {
 
 namespace {
 
-class Body {
+class OdeBody {
   public:
-    explicit Body(MeshView mesh) : m_data(dGeomTriMeshDataCreate()) {
+    explicit OdeBody(MeshView mesh) : m_data(dGeomTriMeshDataCreate()) {
         dGeomTriMeshDataBuildSingle(m_data, mesh.vertices.data(), sizeof(Eigen::Vector3f),
                                     static_cast<int>(mesh.vertices.size()), mesh.triangles.data(),
                                     static_cast<int>(3 * mesh.triangles.size()), sizeof(Triangle));
         m_geometry = dCreateTriMesh(nullptr, m_data, nullptr, nullptr, nullptr);
     }
-    Body(const Body&) = delete;
-    Body& operator=(const Body&) = delete;
-    ~Body() {
+    OdeBody(const OdeBody&) = delete;
+    OdeBody& operator=(const OdeBody&) = delete;
+    ~OdeBody() {
         dGeomDestroy(m_geometry);
         dGeomTriMeshDataDestroy(m_data);
     }
@@ -46,7 +46,7 @@ class Ode {
     }
 
   private:
-    Body m_a, m_b;
+    OdeBody m_a, m_b;
 };
 
 }  // namespace

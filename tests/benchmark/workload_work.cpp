@@ -10,13 +10,13 @@ namespace grapeshot::bench {
 
 namespace {
 
-struct Method {
+struct WorkMethod {
     std::string name;
     DecideSettings settings;
 };
 
-std::vector<Method> allMethods() {
-    std::vector<Method> methods{{"exact", exactShuffled()}, {"hybrid", hybridShuffled()}};
+std::vector<WorkMethod> allMethods() {
+    std::vector<WorkMethod> methods{{"exact", exactShuffled()}, {"hybrid", hybridShuffled()}};
     for (const EstimateSetting& estimate : estimateSettings) {
         methods.push_back({estimate.name, estimate.settings()});
     }
@@ -53,7 +53,7 @@ std::vector<Tally> talliesOf(const Tree& tree, const std::vector<Pose>& poses, W
     check.poses += static_cast<double>(poses.size());
     check.colliding += static_cast<double>(truth.colliding);
     std::vector<Tally> tallies;
-    for (const Method& method : allMethods()) {
+    for (const WorkMethod& method : allMethods()) {
         Tally& tally = tallies.emplace_back();
         Query query(tree, tree);
         for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -70,7 +70,7 @@ std::vector<Tally> talliesOf(const Tree& tree, const std::vector<Pose>& poses, W
 
 std::vector<report::Row> workRows(const std::vector<TreeOf>& meshes, int zachmann, int grazing, std::uint64_t seed,
                                   WorkloadCheck& check) {
-    const std::vector<Method> methods = allMethods();
+    const std::vector<WorkMethod> methods = allMethods();
     std::map<std::string, std::vector<Tally>> pooled;
     std::vector<report::Row> rows;
     for (const TreeOf& mesh : meshes) {

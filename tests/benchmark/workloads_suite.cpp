@@ -12,7 +12,7 @@ namespace grapeshot::bench {
 
 namespace {
 
-struct Sizes {
+struct WorkloadSizes {
     int zachmann, grazing;  ///< poses per mesh
     int unlike;             ///< questions in all
     int steps;              ///< of each path
@@ -20,21 +20,21 @@ struct Sizes {
     int repetitions;
 };
 
-Sizes sizesOf(const Options& options) {
-    Sizes sizes = options.quick ? Sizes{.zachmann = 1'200,
-                                        .grazing = 60,
-                                        .unlike = 300,
-                                        .steps = 240,
-                                        .hot = 24,
-                                        .replays = 10,
-                                        .repetitions = 1}
-                                : Sizes{.zachmann = 12'000,
-                                        .grazing = 1'200,
-                                        .unlike = 10'000,
-                                        .steps = 2'400,
-                                        .hot = 60,
-                                        .replays = 50,
-                                        .repetitions = 5};
+WorkloadSizes sizesOf(const Options& options) {
+    WorkloadSizes sizes = options.quick ? WorkloadSizes{.zachmann = 1'200,
+                                                        .grazing = 60,
+                                                        .unlike = 300,
+                                                        .steps = 240,
+                                                        .hot = 24,
+                                                        .replays = 10,
+                                                        .repetitions = 1}
+                                        : WorkloadSizes{.zachmann = 12'000,
+                                                        .grazing = 1'200,
+                                                        .unlike = 10'000,
+                                                        .steps = 2'400,
+                                                        .hot = 60,
+                                                        .replays = 50,
+                                                        .repetitions = 5};
     sizes.zachmann = options.poses.value_or(sizes.zachmann);
     sizes.repetitions = options.repetitions.value_or(sizes.repetitions);
     return sizes;
@@ -70,7 +70,7 @@ double wrongOfExact(const std::vector<report::Row>& rows) {
 
 report::Report runWorkloadsSuite(const Options& options) {
     const Wanted wanted(options.scenarios);
-    const Sizes sizes = sizesOf(options);
+    const WorkloadSizes sizes = sizesOf(options);
     report::Report results{
         .suite = "workloads", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
     const auto add = [&](const std::vector<report::Row>& rows) {

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-std::vector<CrossingRegion> grouped(std::span<const CurvePiece> pieces, const RegionSettings& settings) {
+std::vector<CrossingRegion> regionsOf(std::span<const CurvePiece> pieces, const RegionSettings& settings) {
     std::vector<CrossingRegion> regions;
     groupCrossing(pieces, 20, settings, defaultCalibration(), regions);
     return regions;
@@ -46,7 +46,7 @@ TEST(CrossingDepth, OfParaboloidsIsExact) {
             // z = depth / 2 - curvature r^2, and its mirror image.
             const double radius = std::sqrt(depth / 2 / curvature);
             const auto pieces = circle(radius, 2 * curvature * radius, 2 * curvature * radius, {0.3, -0.2, 0.1});
-            const auto regions = grouped(pieces, {.spacing = 0.2F, .normalCone = 0.5F});
+            const auto regions = regionsOf(pieces, {.spacing = 0.2F, .normalCone = 0.5F});
             ASSERT_EQ(regions.size(), 1U);
             EXPECT_NEAR(regions[0].depth, depth, 2e-3 * depth);
             EXPECT_LE((regions[0].position - Vector3f(0.3F, -0.2F, 0.1F)).norm(), 1e-5F);
@@ -55,8 +55,8 @@ TEST(CrossingDepth, OfParaboloidsIsExact) {
             EXPECT_NEAR(regions[0].extent, radius, 2e-3 * radius);
             // With a plane, or one that is more curved: as near as half an angle's tangent is half its tangent.
             const double both = std::sqrt(depth / curvature);
-            const auto onPlane =
-                grouped(circle(both, 2 * curvature * both, 0, Vector3d::Zero()), {.spacing = 0.2F, .normalCone = 0.5F});
+            const auto onPlane = regionsOf(circle(both, 2 * curvature * both, 0, Vector3d::Zero()),
+                                           {.spacing = 0.2F, .normalCone = 0.5F});
             ASSERT_EQ(onPlane.size(), 1U);
             const double slope = 2 * curvature * both;
             EXPECT_NEAR(onPlane[0].depth, depth, depth * (0.003 + slope * slope / 4));
@@ -69,8 +69,8 @@ TEST(CrossingDepth, OfBallsIsNear) {
     for (const double depth : {0.01, 0.05, 0.2, 0.4}) {  // of radius 1
         const double height = 1 - depth / 2;
         const double radius = std::sqrt(1 - height * height);
-        const auto regions = grouped(circle(radius, radius / height, radius / height, Vector3d::Zero()),
-                                     {.spacing = 0.3F, .normalCone = 0.5F});
+        const auto regions = regionsOf(circle(radius, radius / height, radius / height, Vector3d::Zero()),
+                                       {.spacing = 0.3F, .normalCone = 0.5F});
         ASSERT_EQ(regions.size(), 1U);
         EXPECT_GE(regions[0].depth, 0.995 * depth);
         EXPECT_LE(regions[0].depth, depth * (1.005 + depth / 3));
@@ -80,9 +80,10 @@ TEST(CrossingDepth, OfBallsIsNear) {
 TEST(CrossingDepth, KeepsPrecisionFarFromTheOrigin) {
     const double depth = 0.02;
     const double radius = std::sqrt(depth);
-    const auto near = grouped(circle(radius, radius, radius, Vector3d::Zero()), {.spacing = 0.2F, .normalCone = 0.5F});
+    const auto near =
+        regionsOf(circle(radius, radius, radius, Vector3d::Zero()), {.spacing = 0.2F, .normalCone = 0.5F});
     const auto far =
-        grouped(circle(radius, radius, radius, {4096, -8192, 2048}), {.spacing = 0.2F, .normalCone = 0.5F});
+        regionsOf(circle(radius, radius, radius, {4096, -8192, 2048}), {.spacing = 0.2F, .normalCone = 0.5F});
     ASSERT_EQ(near.size(), 1U);
     ASSERT_EQ(far.size(), 1U);
     EXPECT_NEAR(far[0].depth, near[0].depth, 2e-3 * depth);

@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using test::Random;
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float noNumber = std::numeric_limits<float>::quiet_NaN();
+constexpr float noBound = std::numeric_limits<float>::infinity();
 
 std::vector<CrossingRegion> grouped(std::span<const CurvePiece> pieces, const RegionSettings& settings = {},
                                     std::uint64_t steps = 20) {
@@ -48,7 +48,7 @@ std::vector<CurvePiece> randomPieces(std::size_t count, float extent, Random& ra
         piece.slope = static_cast<float>(random.unit());
         piece.rate = 0.02F * static_cast<float>(random.unit());
         if (random.bits() % 8 == 0) {
-            piece.rate = infinity;
+            piece.rate = noBound;
             piece.pair = {static_cast<std::uint32_t>(i), 7};
         }
     }
@@ -279,7 +279,7 @@ TEST(CrossingRegions, TouchingPiecesAreRegionsWithoutLength) {
         pieces[i].position = {0.01F * static_cast<float>(i), 0, 0};
         pieces[i].direction = {0, 1, 0};
         pieces[i].pair = {static_cast<std::uint32_t>(i), 2};
-        pieces[i].rate = infinity;
+        pieces[i].rate = noBound;
     }
     auto regions = grouped(pieces);
     ASSERT_EQ(regions.size(), 1U);
@@ -303,7 +303,7 @@ TEST(CrossingRegions, NumbersThatAreNoneAreIgnored) {
     Random random(4);
     const std::vector<CurvePiece> sound = randomPieces(60, 0.03F, random);
     const auto expected = grouped(sound);
-    for (const float bad : {nan, infinity, -infinity}) {
+    for (const float bad : {noNumber, noBound, -noBound}) {
         std::vector<CurvePiece> pieces = sound;
         const auto add = [&](auto&& spoil) {
             CurvePiece piece = sound[pieces.size() % sound.size()];

@@ -11,7 +11,7 @@
 namespace grapeshot {
 namespace {
 
-MeshModel modelOf(const scenes::Mesh& mesh) {
+MeshModel modelFrom(const scenes::Mesh& mesh) {
     return makeModel(mesh.view());
 }
 
@@ -22,12 +22,12 @@ Pose above(float height, float turn) {
 
 /// Few units tell which way a body that has landed on another is to be pushed, however fine the meshes are.
 TEST(StandIn, PushesTheRightWayAndNotTooFar) {
-    const MeshModel floor = modelOf(scenes::grid(3, 3, 40, 40));
+    const MeshModel floor = modelFrom(scenes::grid(3, 3, 40, 40));
     int found = 0;
     int tried = 0;
     for (const scenes::Mesh& mesh : {scenes::box({0.4F, 0.4F, 0.4F}, 10), scenes::bumpySphere(0.4F, 0.05F, 5, 16),
                                      scenes::bumpySphere(0.4F, 0.05F, 5, 48), scenes::cup(0.4F, 0.06F, 0.7F, 40, 12)}) {
-        const MeshModel body = modelOf(mesh);
+        const MeshModel body = modelFrom(mesh);
         for (int i = 0; i < 20; ++i) {
             const Pose pose = above(0.2F + 0.01F * static_cast<float>(i), 0.3F * static_cast<float>(i));
             std::vector<SurfaceContact> contacts;
@@ -48,7 +48,7 @@ TEST(StandIn, PushesTheRightWayAndNotTooFar) {
 }
 
 TEST(StandIn, NothingForBodiesApart) {
-    const MeshModel ball = modelOf(scenes::bumpySphere(0.4F, 0.05F, 5, 16));
+    const MeshModel ball = modelFrom(scenes::bumpySphere(0.4F, 0.05F, 5, 16));
     for (const float height : {0.9F, 0.95F, 1.2F}) {
         std::vector<SurfaceContact> contacts;
         standInContacts(ball, ball, above(height, 0.4F), {}, 0.03F, standInWork, contacts);
@@ -58,8 +58,8 @@ TEST(StandIn, NothingForBodiesApart) {
 
 /// With the smallest slice a pair that crosses has a contact from the first step; it goes when the true ones are known.
 TEST(StandIn, HoldsAPairUntilItIsKnown) {
-    const MeshModel floor = modelOf(scenes::grid(3, 3, 60, 60));
-    const MeshModel ball = modelOf(scenes::bumpySphere(0.4F, 0.05F, 5, 48));
+    const MeshModel floor = modelFrom(scenes::grid(3, 3, 60, 60));
+    const MeshModel ball = modelFrom(scenes::bumpySphere(0.4F, 0.05F, 5, 48));
     const auto points = [](const PairState& state, bool standIns) {
         int count = 0;
         for (const RegionSlot& slot : state.contacts.slots) {

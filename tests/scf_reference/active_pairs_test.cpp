@@ -21,14 +21,9 @@ namespace {
 
 using test::approach;
 using test::approachSteps;
-using test::Bodies;
+using test::bodies;
 using test::distanceAt;
 using test::History;
-
-const Bodies& bodies() {
-    static const Bodies both;
-    return both;
-}
 
 using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 

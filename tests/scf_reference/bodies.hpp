@@ -40,6 +40,11 @@ struct Bodies {
     }
 };
 
+inline const Bodies& bodies() {
+    static const Bodies both;
+    return both;
+}
+
 /// From apart to 0.3 m deep.
 inline constexpr int approachSteps = 12;
 inline float distanceAt(int step) {

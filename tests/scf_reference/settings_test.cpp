@@ -12,13 +12,8 @@ namespace grapeshot::scf::reference {
 namespace {
 
 using test::approach;
-using test::Bodies;
+using test::bodies;
 using test::History;
-
-const Bodies& bodies() {
-    static const Bodies both;
-    return both;
-}
 
 TEST(Settings, EverySettingDoesSomething) {
     struct Change {

@@ -18,12 +18,7 @@ namespace grapeshot::scf::reference {
 namespace {
 
 using namespace detail;
-using test::Bodies;
-
-const Bodies& bodies() {
-    static const Bodies both;
-    return both;
-}
+using test::bodies;
 
 TEST(Levels, PartTheFeaturesBelowThem) {
     const Surface& surface = bodies().a;
