@@ -75,7 +75,7 @@ btCollisionAlgorithm* createForChildren(btCollisionAlgorithmConstructionInfo& in
     void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(CompoundAlgorithm)));
     try {
         auto* made = new (place) CompoundAlgorithm(info, context.shared_from_this(), query);
-        ++context.statistics.algorithms;
+        context.countAlgorithm(body0.getCollisionShape()->getShapeType(), body1.getCollisionShape()->getShapeType());
         return made;
     } catch (...) {
         info.m_dispatcher1->freeCollisionAlgorithm(place);

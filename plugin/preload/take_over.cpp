@@ -27,8 +27,10 @@ const char* nameOf(int shapeType) {
             return "GImpact mesh";
         case STATIC_PLANE_PROXYTYPE:
             return "plane";
+        case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+            return "multi-material mesh";
         case TERRAIN_SHAPE_PROXYTYPE:
-            return "heightfield";
+            return "height field";
         default:
             return btBroadphaseProxy::isConvex(shapeType) ? "convex" : "other";
     }
