@@ -35,16 +35,16 @@ struct Scene {
     }
 };
 
-int added = 0, started = 0, ended = 0, processed = 0;
+int added = 0, callbacksStarted = 0, callbacksEnded = 0, processed = 0;
 bool onAdded(btManifoldPoint&, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) {
     ++added;
     return false;
 }
 void onStarted(btPersistentManifold* const&) {
-    ++started;
+    ++callbacksStarted;
 }
 void onEnded(btPersistentManifold* const&) {
-    ++ended;
+    ++callbacksEnded;
 }
 bool onProcessed(btManifoldPoint&, void*, void*) {
     ++processed;
@@ -53,7 +53,7 @@ bool onProcessed(btManifoldPoint&, void*, void*) {
 
 struct Callbacks {
     Callbacks() {
-        added = started = ended = processed = 0;
+        added = callbacksStarted = callbacksEnded = processed = 0;
         gContactAddedCallback = onAdded;
         gContactStartedCallback = onStarted;
         gContactEndedCallback = onEnded;
@@ -99,7 +99,7 @@ Outcome run(Theirs theirs, bool shadowed) {
         result.totals = shadow->totals();
         shadow.reset();
     }
-    result.callbacks = {added, started, ended, processed};
+    result.callbacks = {added, callbacksStarted, callbacksEnded, processed};
     return result;
 }
 
