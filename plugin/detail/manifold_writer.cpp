@@ -109,10 +109,12 @@ void ManifoldWriter::writeSet(const ContactSet& set, bool ahead, const ContactBo
         }
         const std::span<const BulletPoint> usable(points.data(), count);
         if (mine != nullptr) {
-            // A point beyond the threshold would be dropped by Bullet, now or at the next refresh.
+            // A point beyond the threshold would be dropped by Bullet, now or at the next refresh; it takes the
+            // distance of two points in the world, which is rounded.
+            constexpr auto rounding = btScalar(1.001);
             btScalar threshold = mine->breaking;
             for (const BulletPoint& point : usable) {
-                threshold = btMax(threshold, point.depth);
+                threshold = btMax(threshold, rounding * point.depth);
             }
             manifold->setContactBreakingThreshold(threshold);
             setPoints(*manifold, usable, btScalar(reach), result, m_stopped);

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <grapeshot/core/purse.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/pair_motion.hpp>
+#include <grapeshot/plugin/detail/stop_points.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -14,7 +16,7 @@ namespace detail {
 
 namespace {
 
-constexpr int mostSteps = 64;
+constexpr int mostSteps = 1024;  // most of them far apart, which costs nothing
 constexpr int bisections = 4;
 
 btTransform toTransform(const Pose& pose) {
@@ -41,10 +43,13 @@ class Sweep {
 
     /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
     Swept run(float motion, btScalar seconds, ContactSet& ahead) {
+        stopWhereTheyTouch(seconds, ahead);
         // In strides of half their thickness bodies overlap at some moment on the way, unless they do already. Where
         // that is too many, they are looked at as often as their contact distance says.
         const float fine = 0.5F * m_task.size.thickness;
-        if (m_shapes.modelB && motion <= static_cast<float>(mostSteps) * fine) {
+        // A sheet has no inside: flat in a wall it cuts nothing.
+        const bool solids = m_shapes.modelB && m_shapes.modelA->mesh->solid && m_shapes.modelB->mesh->solid;
+        if (solids && motion <= static_cast<float>(mostSteps) * fine) {
             m_query.emplace(m_shapes.modelA->mesh->tree, m_shapes.modelB->mesh->tree);
             if (hits(0)) {
                 m_query.reset();
@@ -78,6 +83,7 @@ class Sweep {
             ContactSetSettings set = m_settings.set;
             set.maxDistance = motion + m_settings.maxDistance;
             merge(ahead, m_found, m_now, true, set);
+            stop(before, ahead);
         }
         return {m_purse.spent(), !m_purse.isEmpty()};
     }
@@ -87,19 +93,91 @@ class Sweep {
         return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
     }
 
+    /// The smaller mesh's ball does not reach the larger one's box. Of solids that is not asked.
+    [[nodiscard]] bool isFar(const Pose& then) const {
+        if (!m_shapes.modelB) {
+            return false;
+        }
+        const Tree& a = m_shapes.modelA->mesh->tree;
+        const Tree& b = m_shapes.modelB->mesh->tree;
+        const bool aIsSmall = a.radius <= b.radius;
+        const Tree& large = aIsSmall ? b : a;
+        const Eigen::Vector3f middle = (aIsSmall ? inverse(then) : then).translation;
+        const float reach = std::min(a.radius, b.radius) + m_settings.maxDistance;
+        const Eigen::Vector3f beyond = (large.lower - middle).cwiseMax(middle - large.upper).cwiseMax(0.0F);
+        return beyond.squaredNorm() > reach * reach;
+    }
+
     /// Do the bodies overlap at that time? If that cannot be asked: are there contacts which are none now?
     bool hits(btScalar seconds) {
+        const Pose then = poseAt(seconds);
+        if (!isRigid(then) || isFar(then)) {
+            m_found.clear();
+            return false;
+        }
         if (!m_query) {
             collect(seconds, m_settings.maxDistance);
             return !m_found.empty();
         }
-        const Pose then = poseAt(seconds);
-        if (!isRigid(then)) {
-            return false;
-        }
         const Decision decision = m_query->decide(then, DecideSettings::exact(), m_purse.left());
         m_purse.pay(decision.work);
         return decision.certain && decision.collides;
+    }
+
+    /// Held at a few points alone, it would turn about them and go through.
+    void stopWhereTheyTouch(btScalar seconds, ContactSet& ahead) {
+        const btVector3 velocity = m_motionA.velocity - m_motionB.velocity;
+        const btMatrix3x3& turn = m_shapes.a->getWorldTransform().getBasis();
+        for (const RegionSlot& slot : m_touching.slots) {
+            if (slot.count == 0) {
+                continue;
+            }
+            const PersistentPoint& point = slot.points[0];
+            FirstTouch touch{{}, m_now, m_now};
+            touch.contact.onA = point.localA;
+            touch.contact.onB = apply(m_now, point.localB);
+            touch.contact.normal = m_now.rotation * point.normalInB;
+            touch.contact.triangleA = point.triangleA;
+            touch.contact.triangleB = point.triangleB;
+            const auto approach = -static_cast<float>(velocity.dot(turn * toBullet(touch.contact.normal)) * seconds);
+            if (approach > std::max(0.5F * m_task.size.thickness, m_settings.maxDistance)) {
+                addStop(touch, ahead);
+            }
+        }
+    }
+
+    void addStop(const FirstTouch& touch, ContactSet& ahead) {
+        if (m_purse.left().work < stopWork) {
+            return;
+        }
+        RegionSlot slot;
+        m_purse.pay(stopPoints(m_shapes, m_task.size, touch, slot));
+        if (slot.count > 0) {
+            slot.id = ahead.nextId++;
+            ahead.slots.push_back(slot);
+        }
+    }
+
+    /// Whatever touches first, the rest of the body is not to go through there.
+    void stop(btScalar seconds, ContactSet& ahead) {
+        const Pose then = poseAt(seconds);
+        if (!isRigid(then)) {
+            return;
+        }
+        FirstTouch touch{{}, then, m_now};
+        float least = std::numeric_limits<float>::infinity();
+        for (const SurfaceContact& contact : m_then) {
+            if (contact.signedDistance < least && !touchesThere(thenToNow(then) * contact.normal)) {
+                least = contact.signedDistance;
+                touch.contact = contact;
+            }
+        }
+        addStop(touch, ahead);
+    }
+
+    /// Of directions fixed to B, A's frame.
+    [[nodiscard]] Eigen::Matrix3f thenToNow(const Pose& then) const {
+        return m_now.rotation * then.rotation.transpose();
     }
 
     /// The contacts of that time within `reach` which are none now, in m_found, as they are now.
@@ -116,6 +194,10 @@ class Sweep {
             contact.onB = apply(thenToNow, contact.onB);
             contact.normal = thenToNow.rotation * contact.normal;
             contact.signedDistance = contact.normal.dot(contact.onA - contact.onB);
+            if (m_motionA.velocity.length2() >= m_motionB.velocity.length2()) {
+                // They come together aslant too. The faster one's point counts, or its lever would be wrong.
+                contact.onB = contact.onA - contact.signedDistance * contact.normal;
+            }
             if (contact.signedDistance > m_settings.maxDistance && !touchesThere(contact.normal)) {
                 m_found.push_back(contact);
             }

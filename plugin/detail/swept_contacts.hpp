@@ -3,9 +3,9 @@
 // Bullet stops only convex shapes on their way, with a swept sphere. But its solver takes contacts with a positive
 // distance and lets bodies approach by no more than that in a step. So the motion is tried out in steps of half the
 // thinner body's thickness. Thick meshes are only asked whether they overlap; thin ones, solids and bodies that overlap
-// already, whether there are contacts that are none now. Those of the last moment before are handed over as they are
-// now: apart. What merely lies in the direction of motion is no contact, so nothing trips over planes that it flies
-// past.
+// already, whether there are contacts that are none now (stop_points.hpp: and what keeps the rest of the body back).
+// Those of the last moment before are handed over as they are now: apart. What merely lies in the direction of motion
+// is no contact, so nothing trips over planes that it flies past.
 #pragma once
 
 #include <cstdint>
