@@ -38,6 +38,8 @@ class PosedTree {
         const Eigen::Vector3f& p = m_positions[vertex];
         return m_isPosed ? moved(p) : p;
     }
+    /// `point` will soon be asked for it.
+    void prefetch(std::uint32_t vertex) const { __builtin_prefetch(&m_positions[vertex]); }
     /// Are all positions finite that were read for balls and leaves in this step?
     [[nodiscard]] bool isFinite() const { return m_finite; }
 

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include <grapeshot/scf/detail/prefetch.hpp>
+
 namespace grapeshot::detail {
 namespace {
 
 constexpr double trackedShare = 0.6;  // of the budget, for what is known already
 constexpr double frontShare = 0.5;    // of what is left then
 constexpr int descentUnits = 24;
-constexpr int walkTries = 2;
 constexpr std::uint64_t stepsBetweenWalks = 4;  // from the same contact
 constexpr std::uint32_t divesPerRound = 64;
 constexpr double caution = 0.75;  // what is not finished counts as a hit
@@ -217,11 +218,21 @@ void TrackStep::testTracked(double share) {
     PairBatch& batch = m_scratch.batch;
     const std::vector<TrackedPair>& tracked = m_memory.tracked;
     const std::uint64_t limit = shareOf(left(), share);
-    std::vector<TrackedPair> toFollow;
+    struct Parted {
+        VertexPair corners;
+        TrackedPair tracked;
+    };
+    std::vector<Parted> toFollow;
     std::size_t next = 0;
     while (next < tracked.size() && left() > 0 && (limit == unlimited || m_work < limit)) {
         const std::size_t first = next;
         while (next < tracked.size() && !batch.isFull()) {
+            if (next + 2 * batchWidth < tracked.size()) {
+                prefetchTriangles(m_space, tracked[next + 2 * batchWidth].pair);
+            }
+            if (next + batchWidth < tracked.size()) {
+                prefetchCorners(m_space, tracked[next + batchWidth].pair);
+            }
             batch.add(m_space, tracked[next++].pair);
         }
         ++m_work;
@@ -232,23 +243,24 @@ void TrackStep::testTracked(double share) {
             if (distance <= m_space.reach) {
                 accept(batch, lane, one.birth);
             } else if (distance <= m_space.reach + m_settings.followDistance + m_settings.spacing) {
-                toFollow.push_back(one);
+                toFollow.push_back({nearestCorners(m_space, one.pair), one});
+                prefetchLists(m_space, toFollow.back().corners);
             }
         }
     }
     m_untested = next;
     m_out.carried = static_cast<std::uint32_t>(tracked.size() - next);
-    for (const TrackedPair& one : toFollow) {
+    for (std::size_t i = 0; i < toFollow.size(); ++i) {
+        if (i + 2 < toFollow.size()) {
+            prefetchAround(m_space, toFollow[i + 2].corners);
+        }
+        const auto& [corners, one] = toFollow[i];
         if (left() == 0 || (limit != unlimited && m_work >= limit)) {
             keepNear(one.pair, one.birth);
         } else {
-            follow(one);
+            repair(corners, one.birth);
         }
     }
-}
-
-void TrackStep::follow(const TrackedPair& tracked) {
-    repair(nearestCorners(m_space, tracked.pair), tracked.birth);
 }
 
 bool TrackStep::repair(const VertexPair& from, std::uint64_t birth) {
@@ -472,7 +484,7 @@ void TrackStep::walkFrom(std::uint32_t contact) {
             mask &= ~(1U << lane);
         }
     }
-    for (int tries = 0; tries < walkTries && mask != 0;) {
+    for (bool looked = false; !looked && mask != 0;) {
         unsigned best = 16;
         for (std::uint32_t rest = mask; rest != 0U; rest &= rest - 1U) {
             const auto lane = static_cast<unsigned>(std::countr_zero(rest));
@@ -485,7 +497,7 @@ void TrackStep::walkFrom(std::uint32_t contact) {
             std::swap(cellA, cellB);
         }
         if (m_scratch.tried.insert(joined(cellA, cellB), 0).isNew) {
-            ++tries;
+            looked = true;
             dive({m_cellsA.cells[cellA], m_cellsB.cells[cellB]}, true);
         }
     }

@@ -32,7 +32,6 @@ class TrackStep {
 
     /// The tracked pairs: those in contact stay, the others are followed. Uses up to `share` of the budget.
     void testTracked(double share);
-    void follow(const TrackedPair& tracked);
     /// False: one was there already in its place.
     bool accept(const PairBatch& batch, int lane, std::uint64_t birth);
     /// Lists a contact even if there is one in its place, because it is in another pair of cells of the front.

@@ -66,6 +66,18 @@ TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, int frame, in
     return result;
 }
 
+TrackingFrame twoBodiesTurned(const TrackingScene& scene, const Eigen::Matrix3f& turnA, const Eigen::Matrix3f& turnB,
+                              float gap, float phase) {
+    TrackingFrame result{waved(scene.a, phase), waved(scene.b, 1.7F * phase)};
+    for (Eigen::Vector3f& vertex : result.a) {
+        vertex = turnA * vertex;
+    }
+    for (Eigen::Vector3f& vertex : result.b) {
+        vertex = turnB * vertex + Eigen::Vector3f(gap, 0, 0);
+    }
+    return result;
+}
+
 TrackingScene coil(const std::string& name, std::size_t triangles) {
     // As many around as makes the triangles even: 2 along around, with along / around = length / (2 pi radius).
     const double aspect = coilLength / (2 * pi * coilTubeRadius);
@@ -76,7 +88,7 @@ TrackingScene coil(const std::string& name, std::size_t triangles) {
     scene.name = name;
     scene.a = straightTube(along, around);
     scene.maxDistance = 0.002F;
-    scene.spacing = 0.018F;
+    scene.spacing = 1.25F * coilTubeRadius;  // chosen on another coil: thicker, narrower turns, other waves
     scene.exclusion = 3 * coilTubeRadius;
     return scene;
 }

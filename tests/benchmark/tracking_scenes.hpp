@@ -32,6 +32,10 @@ struct TrackingFrame {
 /// @param depth m, by how much their distance shrinks to the middle of the time; 0.08 is a light contact
 [[nodiscard]] TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, int frame, int frames);
 
+/// The same bodies, each turned about its middle, B's beyond A's by `gap` (m) along x.
+[[nodiscard]] TrackingFrame twoBodiesTurned(const TrackingScene& scene, const Eigen::Matrix3f& turnA,
+                                            const Eigen::Matrix3f& turnB, float gap, float phase);
+
 /// A tube of radius 0.02 m, straight at rest, wound up so that its turns touch; neighbouring turns sway against each
 /// other. About `triangles` triangles.
 [[nodiscard]] TrackingScene coil(const std::string& name, std::size_t triangles);

@@ -1,0 +1,126 @@
+#include "tracking_meetings.hpp"
+
+#include <vector>
+
+#include <grapeshot/adb/query.hpp>
+#include <grapeshot/scf/tracker.hpp>
+
+#include <report/machine.hpp>
+#include <support/poses.hpp>
+
+#include "box_refit.hpp"
+#include "tracking_scenes.hpp"
+#include "tracking_truth.hpp"
+
+namespace grapeshot::bench {
+
+namespace {
+
+constexpr int stepsPerMeeting = 4;
+constexpr float approach = 0.008F;  // m a step, 0.4 % of the size
+constexpr std::uint64_t work = 6'000;
+
+report::Row rowOf(const char* method, const std::vector<double>& us) {
+    report::Row row;
+    row.scenario = "meetings";
+    row.mesh = "2x100k";
+    row.triangles = 196'000;
+    row.method = method;
+    row.peer = "boxes refitted";
+    row.n = us.size();
+    row.timeUs = report::quantiles(us);
+    row.timeUs.mean = 0;
+    for (const double one : us) {
+        row.timeUs.mean += one / static_cast<double>(us.size());
+    }
+    return row;
+}
+
+}  // namespace
+
+void addMeetingRows(std::uint64_t seed, int meetings, report::Report& results) {
+    const TrackingScene scene = twoBodies("meetings", 70, static_cast<std::uint32_t>(seed % 100'019));
+    const BallTree a = buildBallTree(scene.a.view());
+    const BallTree b = buildBallTree(scene.b.view());
+    Tree boxesA = build(scene.a.view());
+    Tree boxesB = build(scene.b.view());
+    Query query(boxesA, boxesB);
+    TrackSettings settings;
+    settings.maxDistance = scene.maxDistance;
+    settings.spacing = scene.spacing;
+    settings.frontCells = 128;
+    settings.auditShare = 0.5F;
+    settings.maxDives = 1U << 20U;
+    settings.seed = seed;
+    TrackSettings exactly = settings;
+    exactly.mode = TrackMode::exact;
+    test::Random random(seed);
+    Tracker exact(a, b);
+    Tracker tracker(a, b);
+    TrackResult truth;
+    TrackResult result;
+    Contacts contacts;
+    std::vector<double> boxUs, exactUs, budgetUs;
+    double regions = 0;
+    double found = 0;
+    double certain = 0;
+    for (int meeting = 0; meeting < meetings; ++meeting) {
+        const Eigen::Matrix3f turnA = random.rotation();
+        const Eigen::Matrix3f turnB = random.rotation();
+        const auto at = [&](float gap, int step) {
+            return twoBodiesTurned(scene, turnA, turnB, gap, 0.15F * static_cast<float>(step + 7 * meeting));
+        };
+        const auto statesOf = [&](const TrackingFrame& where) {
+            return std::pair{SurfaceState{where.a, {}, Stretch::given(1.02F * measureStretch(a.surface, where.a)), {}},
+                             SurfaceState{where.b, {}, Stretch::given(1.02F * measureStretch(b.surface, where.b)), {}}};
+        };
+        float touching = 0.4F;
+        float apart = 2.4F;
+        while (apart - touching > 0.25F * approach) {
+            const float gap = 0.5F * (touching + apart);
+            const TrackingFrame where = at(gap, 2);
+            const auto [stateA, stateB] = statesOf(where);
+            exact.step(stateA, stateB, exactly, {.work = 4'000}, truth);
+            (truth.certain && truth.contacts.empty() ? apart : touching) = gap;
+        }
+        tracker.clear();
+        RegionHistory history(scene.spacing);
+        for (int step = 0; step < stepsPerMeeting; ++step) {
+            const TrackingFrame where = at(apart - approach * (static_cast<float>(step) - 1.5F), step);
+            const auto [stateA, stateB] = statesOf(where);
+            const double begin = report::threadCpuUs();
+            refitBoxes(boxesA, where.a);
+            refitBoxes(boxesB, where.b);
+            query.contacts({}, {.maxDistance = scene.maxDistance}, {}, contacts);
+            const double boxesEnd = report::threadCpuUs();
+            exact.step(stateA, stateB, exactly, {}, truth);
+            const double exactEnd = report::threadCpuUs();
+            tracker.step(stateA, stateB, settings, {.work = work}, result);
+            const double end = report::threadCpuUs();
+            boxUs.push_back(boxesEnd - begin);
+            exactUs.push_back(exactEnd - boxesEnd);
+            budgetUs.push_back(end - exactEnd);
+            certain += result.certain ? 1 : 0;
+            history.advance(truth.contacts, a.surface, b.surface);
+            const std::vector<bool> isFound = history.found(result.contacts);
+            for (std::size_t i = 0; i < isFound.size(); ++i) {
+                regions += history.ages()[i] == 1 ? 1 : 0;
+                found += history.ages()[i] == 1 && isFound[i] ? 1 : 0;
+            }
+        }
+    }
+    report::Row boxes = rowOf("boxes refitted", boxUs);
+    report::Row exactRow = rowOf("exact, bound given", exactUs);
+    report::Row budget = rowOf("budget, bound given", budgetUs);
+    budget.measured = {{"recall1", found / regions},
+                       {"regions1", regions},
+                       {"certain", certain / static_cast<double>(budgetUs.size())}};
+    for (report::Row* row : {&boxes, &exactRow, &budget}) {
+        row->ratio = boxes.timeUs.mean / row->timeUs.mean;
+        results.rows.push_back(*row);
+    }
+    results.claims.push_back({"2x100k, meetings: regions at their first step, budget", found / regions, true, 0.99});
+    results.claims.push_back({"2x100k, meetings: boxes / budget, bound given", budget.ratio, true, 3});
+}
+
+}  // namespace grapeshot::bench
