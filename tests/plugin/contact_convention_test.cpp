@@ -9,9 +9,9 @@ namespace grapeshot::test {
 namespace {
 
 /// Two bodies in a world that is stepped once without motion; their contacts.
-struct Scene {
-    Scene(btCollisionShape& first, const btTransform& firstPose, btCollisionShape& second,
-          const btTransform& secondPose) {
+struct TwoBodies {
+    TwoBodies(btCollisionShape& first, const btTransform& firstPose, btCollisionShape& second,
+              const btTransform& secondPose) {
         world.world.setGravity({0, 0, 0});
         // Static bodies do not collide with each other; one may move but has no reason to.
         bodies[0] = &world.add(first, firstPose, 1, {1, 1, 1});
@@ -48,8 +48,8 @@ TEST_P(MeshPairs, SphereOnSphere) {
     const MeshShape upper(scenes::sphere(0.5F, 20), upperKind, margin);
     const MeshShape lower(scenes::sphere(1.0F, 30), lowerKind, margin);
     const btTransform upperPose = at({0, 1.5_s + 2 * margin + gap, 0});
-    const Scene scene =
-        upperFirst ? Scene(*upper, upperPose, *lower, at({0, 0, 0})) : Scene(*lower, at({0, 0, 0}), *upper, upperPose);
+    const TwoBodies scene = upperFirst ? TwoBodies(*upper, upperPose, *lower, at({0, 0, 0}))
+                                       : TwoBodies(*lower, at({0, 0, 0}), *upper, upperPose);
     TestWorld& world = const_cast<TestWorld&>(scene.world);
     expectConsistent(world);
     ASSERT_EQ(world.stats().refused, 0) << world.stats().lastRefusal;
@@ -87,9 +87,9 @@ INSTANTIATE_TEST_SUITE_P(All, MeshPairs,
 TEST(Convention, NothingBeyondTheBreakingThreshold) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh, 0.02_s);
     const btScalar threshold = box.get()->getContactBreakingThreshold(gContactBreakingThreshold);
-    Scene near(*box, at({0, 1.04_s + 0.9_s * threshold, 0}), *box, at({0, 0, 0}));
+    TwoBodies near(*box, at({0, 1.04_s + 0.9_s * threshold, 0}), *box, at({0, 0, 0}));
     EXPECT_EQ(near.world.points().size(), 4U);
-    Scene far(*box, at({0, 1.04_s + 1.1_s * threshold, 0}), *box, at({0, 0, 0}));
+    TwoBodies far(*box, at({0, 1.04_s + 1.1_s * threshold, 0}), *box, at({0, 0, 0}));
     EXPECT_TRUE(far.world.points().empty());
     EXPECT_EQ(far.world.dispatcher.getNumManifolds(), 0);
 }
@@ -97,7 +97,7 @@ TEST(Convention, NothingBeyondTheBreakingThreshold) {
 TEST(Convention, MeshBoxOnMeshBoxTouchesWithItsFourCorners) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}, 3), Kind::mesh, 0.01_s);
     const MeshShape plate(scenes::box({2, 0.5F, 2}, 5), Kind::bvh, 0.03_s);
-    Scene scene(*box, at({0.1_s, 1.035_s, 0.2_s}), *plate, at({0, 0, 0}));
+    TwoBodies scene(*box, at({0.1_s, 1.035_s, 0.2_s}), *plate, at({0, 0, 0}));
     const std::vector<btManifoldPoint> points = scene.world.points();
     ASSERT_EQ(points.size(), 4U);
     for (const btManifoldPoint& point : points) {
@@ -114,8 +114,8 @@ TEST(Convention, FarFromTheOriginThePairIsTheSame) {
     const MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}), Kind::mesh, 0.01_s);
     // Representable in single precision: what is lost is lost in Bullet's own transforms.
     const btVector3 away(4096, -2048, 1024);
-    Scene here(*box, at({0, 1.0_s, 0}), *box, at({0, 0, 0}));
-    Scene there(*box, at(away + btVector3(0, 1.0_s, 0)), *box, at(away));
+    TwoBodies here(*box, at({0, 1.0_s, 0}), *box, at({0, 0, 0}));
+    TwoBodies there(*box, at(away + btVector3(0, 1.0_s, 0)), *box, at(away));
     ASSERT_EQ(here.world.points().size(), there.world.points().size());
     ASSERT_FALSE(here.world.points().empty());
     // Bullet takes the distance of two points in the world.
@@ -132,8 +132,8 @@ TEST(Convention, TriangleNamesFollowTheManifoldsOrder) {
     const MeshShape upper(scenes::box({0.4F, 0.5F, 0.4F}), Kind::part);
     for (const bool upperFirst : {false, true}) {
         const btTransform top = at({0, 1.015_s, 0});
-        Scene scene =
-            upperFirst ? Scene(*upper, top, *lower, at({0, 0, 0})) : Scene(*lower, at({0, 0, 0}), *upper, top);
+        TwoBodies scene =
+            upperFirst ? TwoBodies(*upper, top, *lower, at({0, 0, 0})) : TwoBodies(*lower, at({0, 0, 0}), *upper, top);
         ASSERT_GT(scene.world.dispatcher.getNumManifolds(), 0);
         for (int m = 0; m < scene.world.dispatcher.getNumManifolds(); ++m) {
             const btPersistentManifold& manifold = *scene.world.dispatcher.getManifoldByIndexInternal(m);

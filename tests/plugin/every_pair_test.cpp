@@ -15,7 +15,7 @@
 namespace grapeshot::test {
 namespace {
 
-constexpr btScalar margin = 0.01_s;
+constexpr btScalar pairMargin = 0.01_s;
 
 /// A pose for which nothing is parallel to anything.
 btTransform somewhere() {
@@ -121,35 +121,35 @@ TEST_P(EveryPair, ConcaveOnConcave) {
     ShapeZoo zoo;
     Settings settings;
     settings.bvhConvexPairs = true;  // for the children of a GImpact compound
-    const ZooShape ground = zoo.floor(GetParam(), margin);
-    const btScalar groundMargin = GetParam() == Concave::gimpactCompound ? 0.0_s : margin;
+    const ZooShape ground = zoo.floor(GetParam(), pairMargin);
+    const btScalar groundMargin = GetParam() == Concave::gimpactCompound ? 0.0_s : pairMargin;
     for (const Concave kind : allConcave) {
-        hang(settings, zoo, kind, zoo.body(kind, margin), ground, groundMargin);
+        hang(settings, zoo, kind, zoo.body(kind, pairMargin), ground, groundMargin);
     }
 }
 
 TEST_P(EveryPair, ConcaveOnAPlane) {
     ShapeZoo zoo;
     const ZooShape ground{"plane", zoo.keep<btStaticPlaneShape>(btVector3(0, 1, 0), 0.0_s), {}};
-    hang({}, zoo, GetParam(), zoo.body(GetParam(), margin), ground, ground.shape->getMargin());
+    hang({}, zoo, GetParam(), zoo.body(GetParam(), pairMargin), ground, ground.shape->getMargin());
 }
 
 TEST_P(EveryPair, ConvexOnConcave) {
     ShapeZoo zoo;
     Settings settings;
     settings.bvhConvexPairs = true;
-    const ZooShape ground = zoo.floor(GetParam(), margin);
+    const ZooShape ground = zoo.floor(GetParam(), pairMargin);
     const bool compound = GetParam() == Concave::gimpactCompound;
     for (const ZooShape& convex : zoo.convex()) {
         const ZooShape child = zoo.inCompound(convex, at({0.2_s, 0.1_s, 0}, turns[2]));
         for (const btQuaternion& turn : turns) {
             for (const btScalar gap : gaps) {
                 if (gap < 0 || !compound) {
-                    expectRight(settings, convex, turn, gap, ground, compound ? 0.0_s : margin);
+                    expectRight(settings, convex, turn, gap, ground, compound ? 0.0_s : pairMargin);
                 }
             }
             for (const btScalar gap : gapsInCompounds) {
-                expectRight(settings, child, turn, gap, ground, compound ? 0.0_s : margin);
+                expectRight(settings, child, turn, gap, ground, compound ? 0.0_s : pairMargin);
             }
         }
     }
@@ -186,7 +186,7 @@ TEST(WhoServes, EveryPairInBothOrdersAndTables) {
     ShapeZoo zoo;
     std::vector<ZooShape> concave;
     for (const Concave kind : allConcave) {
-        concave.push_back(zoo.body(kind, margin));
+        concave.push_back(zoo.body(kind, pairMargin));
     }
     const std::vector<ZooShape> convex = zoo.convex();
     btStaticPlaneShape plane({0, 1, 0}, 0);
@@ -223,10 +223,10 @@ TEST(WhoServes, EveryPairInBothOrdersAndTables) {
         EXPECT_EQ(world.stats().fallbacks, 0U);
         expectServer(Server::nobody, plane, plane);
         expectServer(Server::nobody, empty, empty);
-        expectServer(Server::nobody, own, *zoo.body(Concave::bvh, margin).shape);
+        expectServer(Server::nobody, own, *zoo.body(Concave::bvh, pairMargin).shape);
         expectServer(Server::nobody, own, plane);
         EXPECT_EQ(world.stats().fallbacks, 0U);
-        expectServer(Server::bullet, own, *zoo.body(Concave::mesh, margin).shape);
+        expectServer(Server::bullet, own, *zoo.body(Concave::mesh, pairMargin).shape);
         EXPECT_EQ(world.stats().fallbacks, 4U);
         for (const ZooShape& solid : convex) {
             expectServer(Server::bullet, *solid.shape, *convex[0].shape);
@@ -242,8 +242,8 @@ TEST(WhoServes, AfterGImpactItIsTheSame) {
     ASSERT_EQ(registerAlgorithms(&world.dispatcher), Status::ok);
     btStaticPlaneShape plane({0, 1, 0}, 0);
     for (const Concave kind : allConcave) {
-        btCollisionShape& shape = *zoo.body(kind, margin).shape;
-        btCollisionShape& mesh = *zoo.body(Concave::mesh, margin).shape;
+        btCollisionShape& shape = *zoo.body(kind, pairMargin).shape;
+        btCollisionShape& mesh = *zoo.body(Concave::mesh, pairMargin).shape;
         const bool compound = kind == Concave::gimpactCompound;
         EXPECT_EQ(serverOf(world, mesh, shape, BT_CONTACT_POINT_ALGORITHMS),
                   compound ? Server::children : Server::ours);

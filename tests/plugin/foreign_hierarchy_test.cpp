@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::IsEmpty;
 
-detail::ShapeMesh read(const btCollisionShape& shape) {
+detail::ShapeMesh readForeign(const btCollisionShape& shape) {
     std::vector<detail::PartSource> sources;
     detail::sourcesOf(shape, sources);
     return detail::readMesh(sources);
@@ -113,13 +113,13 @@ TEST(ForeignHierarchy, HasTheTrianglesThatBulletHas) {
         constexpr btScalar tolerance = 0.003_s;
         const Hierarchical quantised(threeParts(), From::quantisedBvh, scale);
         btOptimizedBvh& bvh = *quantised.bvh->getOptimizedBvh();
-        expectSameBoxes(quantised.hierarchy(), read(quantised.shape()), tolerance, [&](int i) {
+        expectSameBoxes(quantised.hierarchy(), readForeign(quantised.shape()), tolerance, [&](int i) {
             const btQuantizedBvhNode& node = bvh.getQuantizedNodeArray()[i];
             return Bounds{bvh.unQuantize(node.m_quantizedAabbMin), bvh.unQuantize(node.m_quantizedAabbMax)};
         });
         const Hierarchical plain(threeParts(), From::plainBvh, scale);
         const NodeArray& nodes = PlainNodes::of(*plain.bvh->getOptimizedBvh());
-        expectSameBoxes(plain.hierarchy(), read(plain.shape()), tolerance, [&](int i) {
+        expectSameBoxes(plain.hierarchy(), readForeign(plain.shape()), tolerance, [&](int i) {
             return Bounds{nodes[i].m_aabbMinOrg, nodes[i].m_aabbMaxOrg};
         });
         const Hierarchical gimpact(threeParts(), From::gimpact, scale);
@@ -127,7 +127,7 @@ TEST(ForeignHierarchy, HasTheTrianglesThatBulletHas) {
             btGImpactMeshShapePart& shape = *gimpact.gimpact->getMeshPart(part);
             const btScalar margin = shape.getMargin();
             const btVector3 margins(margin, margin, margin);
-            expectSameBoxes(hierarchyOf(shape), read(shape), tolerance, [&](int i) {
+            expectSameBoxes(hierarchyOf(shape), readForeign(shape), tolerance, [&](int i) {
                 btAABB box;
                 shape.getBoxSet()->getNodeBound(i, box);
                 return Bounds{box.m_min + margins, box.m_max - margins};
@@ -141,7 +141,7 @@ TEST(ForeignHierarchy, QuantisedOrNotTheTriangleSetsBelowTheRootAreComplete) {
         const Hierarchical shape(threeParts(), from);
         std::vector<std::uint32_t> triangles = shape.hierarchy().triangles;
         std::sort(triangles.begin(), triangles.end());
-        ASSERT_EQ(triangles.size(), read(shape.shape()).triangles.size());
+        ASSERT_EQ(triangles.size(), readForeign(shape.shape()).triangles.size());
         for (std::uint32_t i = 0; i < triangles.size(); ++i) {
             ASSERT_EQ(triangles[i], i);
         }
@@ -154,8 +154,8 @@ TEST(ForeignHierarchy, AugmentedTreesAreSound) {
             const Hierarchical shape(threeParts(), from, scale);
             const Tree tree = shape.tree();
             EXPECT_THAT(findings(tree), IsEmpty());
-            EXPECT_EQ(tree.triangles, read(shape.shape()).triangles);
-            EXPECT_EQ(tree.vertices, read(shape.shape()).vertices);
+            EXPECT_EQ(tree.triangles, readForeign(shape.shape()).triangles);
+            EXPECT_EQ(tree.vertices, readForeign(shape.shape()).vertices);
         }
     }
     // Of one triangle, where the root is a leaf; of one part by itself.
@@ -172,7 +172,7 @@ TEST(ForeignHierarchy, AugmentedTreesAreSound) {
 
 TEST(ForeignHierarchy, OfAScaledShapesChildFits) {
     const MeshShape scaled(scenes::torus(1, 0.3F, 20, 10), Kind::scaledBvh, 0.01_s, {2, -1, 0.5_s});
-    const detail::ShapeMesh mesh = read(*scaled);
+    const detail::ShapeMesh mesh = readForeign(*scaled);
     EXPECT_THAT(findings(augment(mesh.view(), hierarchyOf(*scaled.child))), IsEmpty());
 }
 
@@ -251,11 +251,11 @@ TEST_P(ForeignAnswers, AreThoseOfOwnTreesAndTheEstimateWorks) {
     RecordProperty("ownWork", std::to_string(ownWork));
 }
 
-std::string nameOf(const ::testing::TestParamInfo<From>& info) {
+std::string foreignName(const ::testing::TestParamInfo<From>& info) {
     static constexpr std::array names{"quantisedBvh", "plainBvh", "gimpact"};
     return names[static_cast<std::size_t>(info.param)];
 }
-INSTANTIATE_TEST_SUITE_P(Bullet, ForeignAnswers, ::testing::ValuesIn(everyFrom), &nameOf);
+INSTANTIATE_TEST_SUITE_P(Bullet, ForeignAnswers, ::testing::ValuesIn(everyFrom), &foreignName);
 
 /// Only for the record: least of several runs, in microseconds.
 template <class Call>

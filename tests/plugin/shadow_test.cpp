@@ -13,12 +13,12 @@ namespace {
 
 enum class Theirs { nobody, gimpact, ours };
 
-struct Scene {
+struct ShadowScene {
     MeshShape torus{scenes::torus(0.4F, 0.15F, 24, 12), Kind::mesh, 0.02_s};
     MeshShape floor{scenes::grid(4, 4, 8, 8), Kind::bvh, 0.02_s};
     btBoxShape box{{0.3_s, 0.3_s, 0.3_s}};
     btCompoundShape compound;
-    Scene() { compound.addChildShape(at({0, 0, 0}), torus.get()); }
+    ShadowScene() { compound.addChildShape(at({0, 0, 0}), torus.get()); }
 
     void fill(TestWorld& world, Theirs theirs) {
         if (theirs == Theirs::gimpact) {
@@ -35,26 +35,27 @@ struct Scene {
     }
 };
 
-int added = 0, callbacksStarted = 0, callbacksEnded = 0, processed = 0;
-bool onAdded(btManifoldPoint&, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) {
-    ++added;
+int addedCalls = 0, startedCalls = 0, endedCalls = 0, processedCalls = 0;
+bool countAdded(btManifoldPoint&, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int,
+                int) {
+    ++addedCalls;
     return false;
 }
 void onStarted(btPersistentManifold* const&) {
-    ++callbacksStarted;
+    ++startedCalls;
 }
 void onEnded(btPersistentManifold* const&) {
-    ++callbacksEnded;
+    ++endedCalls;
 }
 bool onProcessed(btManifoldPoint&, void*, void*) {
-    ++processed;
+    ++processedCalls;
     return false;
 }
 
 struct Callbacks {
     Callbacks() {
-        added = callbacksStarted = callbacksEnded = processed = 0;
-        gContactAddedCallback = onAdded;
+        addedCalls = startedCalls = endedCalls = processedCalls = 0;
+        gContactAddedCallback = countAdded;
         gContactStartedCallback = onStarted;
         gContactEndedCallback = onEnded;
         gContactProcessedCallback = onProcessed;
@@ -75,7 +76,7 @@ struct Outcome {
 };
 
 Outcome run(Theirs theirs, bool shadowed) {
-    Scene scene;
+    ShadowScene scene;
     TestWorld world({}, false);
     scene.fill(world, theirs);
     for (auto& body : world.bodies) {
@@ -99,7 +100,7 @@ Outcome run(Theirs theirs, bool shadowed) {
         result.totals = shadow->totals();
         shadow.reset();
     }
-    result.callbacks = {added, callbacksStarted, callbacksEnded, processed};
+    result.callbacks = {addedCalls, startedCalls, endedCalls, processedCalls};
     return result;
 }
 
@@ -202,7 +203,7 @@ TEST(Shadow, SeesWhatPlainBulletMisses) {
 }
 
 TEST(Shadow, AgreesWithItself) {
-    Scene scene;
+    ShadowScene scene;
     TestWorld world({}, false);
     scene.fill(world, Theirs::ours);
     Shadow shadow;

@@ -19,7 +19,7 @@ detail::ShapeMesh read(const btCollisionShape& shape) {
     return detail::readMesh(sources);
 }
 
-Fault faultOf(const btCollisionShape& shape) {
+Fault faultOfShape(const btCollisionShape& shape) {
     try {
         const detail::ShapeMesh mesh = read(shape);
         requireUsable(mesh.view());
@@ -153,7 +153,7 @@ TEST(ShapeMesh, NamesWhatIsWrong) {
         arrays.getIndexedMeshArray()[0].m_vertexStride = sizeof(Eigen::Vector3f);
         arrays.getIndexedMeshArray()[0].m_vertexType = PHY_FLOAT;
         btGImpactMeshShapePart shape(&arrays, 0);
-        return faultOf(shape);
+        return faultOfShape(shape);
     };
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float infinity = std::numeric_limits<float>::infinity();
@@ -175,7 +175,7 @@ TEST(ShapeMesh, AnIndexOfTheNextPartIsOutOfRange) {
     std::vector<scenes::Mesh> parts{scenes::box({1, 1, 1}), scenes::box({1, 1, 1})};
     MeshShape shape(parts, Kind::bvh);
     shape.further[0].triangles[0][0] = 9;  // exists only in the second
-    EXPECT_EQ(faultOf(*shape), Fault::indexOutOfRange);
+    EXPECT_EQ(faultOfShape(*shape), Fault::indexOutOfRange);
 }
 
 TEST(ShapeMesh, RefusesAScaleOfZeroOrNaN) {
@@ -183,9 +183,9 @@ TEST(ShapeMesh, RefusesAScaleOfZeroOrNaN) {
     for (const Kind kind : {Kind::mesh, Kind::part, Kind::scaledBvh}) {
         MeshShape shape(scenes::box({0.5F, 0.5F, 0.5F}), kind);
         shape.shape->setLocalScaling({1, 0, 1});
-        EXPECT_EQ(faultOf(*shape), Fault::badSetting);
+        EXPECT_EQ(faultOfShape(*shape), Fault::badSetting);
         shape.shape->setLocalScaling({1, nan, 1});
-        EXPECT_EQ(faultOf(*shape), Fault::badSetting);
+        EXPECT_EQ(faultOfShape(*shape), Fault::badSetting);
     }
 }
 

@@ -56,8 +56,8 @@ class World {
 };
 
 /// Bumpy balls and tori in a bowl of walls, some rolling on a plane beside it.
-struct Scene {
-    explicit Scene(float radius = 0.4F) : ball(scenes::bumpySphere(radius, 0.08F, 5, 10), Kind::mesh, 0.02_s) {
+struct SavedScene {
+    explicit SavedScene(float radius = 0.4F) : ball(scenes::bumpySphere(radius, 0.08F, 5, 10), Kind::mesh, 0.02_s) {
         for (const MeshShape* shape : {&ball, &torus, &floor}) {
             EXPECT_EQ(prebuild(shape->get()), Status::ok);
         }
@@ -105,7 +105,7 @@ std::vector<std::uint64_t> trace(AnyWorld& world, int steps) {
 
 template <class Broadphase>
 void expectSameAfter(const Settings& settings, int before, int after) {
-    Scene scene;
+    SavedScene scene;
     World<Broadphase> whole(settings);
     scene.fill(whole);
     whole.step(before);
@@ -142,7 +142,7 @@ TEST(State, GoesOnWithTheSameBytesOnTheTreesOfBulletsBroadphase) {
 }
 
 TEST(State, GoesOnOnAnotherNumberOfThreads) {
-    Scene scene;
+    SavedScene scene;
     Settings settings;
     settings.frameBudget.work = 200;
     World<btSimpleBroadphase> whole(settings);
@@ -161,7 +161,7 @@ TEST(State, GoesOnOnAnotherNumberOfThreads) {
 
 TEST(State, WithoutItsMemoryAPileGoesAnotherWay) {
     // Only poses and velocities, as a program can restore them by itself: not the same bytes, so the rest is needed.
-    Scene scene;
+    SavedScene scene;
     World<btSimpleBroadphase> whole;
     scene.fill(whole);
     whole.step(100);
@@ -183,7 +183,7 @@ TEST(State, GoesOnFromAnyStep) {
 }
 
 TEST(State, ALastSearchUnderWayIsSavedToo) {
-    Scene scene;
+    SavedScene scene;
     Settings settings;
     settings.frameBudget.work = 0;
     World<btSimpleBroadphase> world(settings);
@@ -202,7 +202,7 @@ TEST(State, ALastSearchUnderWayIsSavedToo) {
 }
 
 TEST(State, TheStepGoesOnToo) {
-    Scene scene;
+    SavedScene scene;
     World<btSimpleBroadphase> world;
     scene.fill(world);
     world.step(25);
@@ -218,7 +218,7 @@ TEST(State, TheStepGoesOnToo) {
 }
 
 TEST(State, SleepForcesAndVelocitiesComeBack) {
-    Scene scene;
+    SavedScene scene;
     World<btSimpleBroadphase> world;
     scene.fill(world);
     world.step(10);
@@ -242,7 +242,7 @@ TEST(State, SleepForcesAndVelocitiesComeBack) {
 }
 
 TEST(State, RewindsAWorldThatHasGoneOn) {
-    Scene scene;
+    SavedScene scene;
     World<btSimpleBroadphase> world;
     scene.fill(world);
     world.step(60);
@@ -253,7 +253,7 @@ TEST(State, RewindsAWorldThatHasGoneOn) {
 }
 
 TEST(State, AlgorithmsOfOthersBeginAnewButNothingFails) {
-    Scene scene;
+    SavedScene scene;
     World<btSimpleBroadphase> world;
     scene.fill(world);
     btRigidBody::btRigidBodyConstructionInfo info(1, nullptr, &scene.box, {1, 1, 1});
@@ -270,7 +270,7 @@ TEST(State, AlgorithmsOfOthersBeginAnewButNothingFails) {
 }
 
 struct Refused : testing::Test {
-    Scene scene;
+    SavedScene scene;
     World<btSimpleBroadphase> world;
     std::vector<std::byte> bytes;
     std::uint64_t before = 0;
@@ -350,7 +350,7 @@ TEST_F(Refused, OtherWorlds) {
     fewer.world.removeRigidBody(fewer.bodies.back().get());
     fewer.bodies.pop_back();
     EXPECT_EQ(restoreState(&fewer.world, bytes), Status::otherWorld);
-    Scene larger(0.45F);
+    SavedScene larger(0.45F);
     World<btSimpleBroadphase> other;
     larger.fill(other);
     EXPECT_EQ(restoreState(&other.world, bytes), Status::otherWorld);

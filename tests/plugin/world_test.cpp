@@ -9,7 +9,7 @@
 namespace grapeshot::test {
 namespace {
 
-const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+const btScalar noNumber = std::numeric_limits<btScalar>::quiet_NaN();
 
 TEST(World, CompoundsOfMeshesCollideThroughBulletsRecursion) {
     const MeshShape torus(scenes::torus(0.6F, 0.2F, 32, 16), Kind::bvh, 0.01_s);
@@ -104,7 +104,7 @@ TEST(World, ANaNPoseIsRefusedAndTheOthersGoOn) {
     lost.setActivationState(DISABLE_DEACTIVATION);
     world.step(10);
     ASSERT_FALSE(world.points().empty());
-    lost.getWorldTransform().setOrigin({nan, nan, nan});
+    lost.getWorldTransform().setOrigin({noNumber, noNumber, noNumber});
     lost.setInterpolationWorldTransform(lost.getWorldTransform());
     // Bullet's own box test lets such a body go sooner or later; until then it is refused.
     world.world.performDiscreteCollisionDetection();
