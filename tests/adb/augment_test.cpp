@@ -16,6 +16,7 @@
 #include <support/test_size.hpp>
 
 #include "meshes.hpp"
+#include "trees.hpp"
 
 namespace grapeshot::test {
 namespace {
@@ -96,24 +97,7 @@ std::vector<NamedHierarchy> everyHierarchy(const scenes::Mesh& mesh) {
             {"one leaf", hierarchyBy(count, count, &oneByOne)}};
 }
 
-std::size_t depthOf(const Tree& tree) {
-    std::vector<std::size_t> levels(tree.nodes.size(), 1);
-    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-        for (const ChildRef child : tree.nodes[i].child) {
-            if (!isLeaf(child)) {
-                levels[child] = levels[i] + 1;
-            }
-        }
-    }
-    return *std::max_element(levels.begin(), levels.end());
-}
-
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                                               a.size() * sizeof(T)) == 0;
-}
-bool sameBytes(const Tree& a, const Tree& b) {
+bool sameTree(const Tree& a, const Tree& b) {
     return sameBytes(a.nodes, b.nodes) && sameBytes(a.distributions, b.distributions) && sameBytes(a.leaves, b.leaves);
 }
 
@@ -203,7 +187,7 @@ TEST(Augment, LargeLeavesAreSplitWithinThemselves) {
 TEST(Augment, OneLeafGivesTheTreeThatIsBuilt) {
     for (const NamedMesh& kind : everyKind()) {
         const std::size_t count = kind.mesh.triangles.size();
-        EXPECT_TRUE(sameBytes(augment(kind.mesh.view(), hierarchyBy(count, count, &oneByOne)), build(kind.mesh.view())))
+        EXPECT_TRUE(sameTree(augment(kind.mesh.view(), hierarchyBy(count, count, &oneByOne)), build(kind.mesh.view())))
             << kind.name;
     }
 }
@@ -220,7 +204,7 @@ TEST(Augment, SameBytesTwiceAndWhateverTheOrderOfTheNodes) {
     for (const NamedHierarchy& foreign : everyHierarchy(mesh)) {
         SCOPED_TRACE(foreign.name);
         const Tree tree = augment(mesh.view(), foreign.hierarchy);
-        EXPECT_TRUE(sameBytes(tree, augment(mesh.view(), foreign.hierarchy)));
+        EXPECT_TRUE(sameTree(tree, augment(mesh.view(), foreign.hierarchy)));
         // The root stays where it is, all others are turned round; with spare nodes and triangles between them.
         const auto count = static_cast<std::uint32_t>(foreign.hierarchy.nodes.size());
         const auto moved = [count](std::uint32_t node) { return node == 0 ? 0 : 2 * (count - node); };
@@ -233,7 +217,7 @@ TEST(Augment, SameBytesTwiceAndWhateverTheOrderOfTheNodes) {
         }
         shuffled.triangles.insert(shuffled.triangles.end(), foreign.hierarchy.triangles.begin(),
                                   foreign.hierarchy.triangles.end());
-        EXPECT_TRUE(sameBytes(tree, augment(mesh.view(), shuffled)));
+        EXPECT_TRUE(sameTree(tree, augment(mesh.view(), shuffled)));
     }
 }
 

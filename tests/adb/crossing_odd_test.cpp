@@ -217,7 +217,7 @@ TEST(CrossingOdd, NoBudgetSaysWhatIsKnown) {
     }
 }
 
-std::chrono::nanoseconds tickingClock() noexcept {
+std::chrono::nanoseconds microsecondClock() noexcept {
     static std::chrono::nanoseconds now{0};
     now += std::chrono::nanoseconds(1000);
     return now;
@@ -230,11 +230,11 @@ TEST(CrossingOdd, TimeIsLookedAtEvery32Units) {
     ASSERT_GT(all.work, 200U);
     CrossingQuery query(bumpy, bumpy);
     Crossing crossing;
-    query.find(pose, {.leaveOut = 0}, {unlimited, std::chrono::nanoseconds(3000), &tickingClock}, crossing);
+    query.find(pose, {.leaveOut = 0}, {unlimited, std::chrono::nanoseconds(3000), &microsecondClock}, crossing);
     EXPECT_EQ(crossing.stop, StopReason::budget);
     EXPECT_EQ(crossing.work, 96U);
     EXPECT_TRUE(same(crossing, crossingAfter(bumpy, bumpy, pose, 96)));
-    query.resume({40, std::chrono::nanoseconds(1'000'000), &tickingClock}, crossing);
+    query.resume({40, std::chrono::nanoseconds(1'000'000), &microsecondClock}, crossing);
     EXPECT_EQ(crossing.work, 136U);
     query.resume({unlimited, std::chrono::hours(1)}, crossing);
     EXPECT_TRUE(same(crossing, all));

@@ -15,13 +15,10 @@
 
 #include "crossings.hpp"
 #include "meshes.hpp"
+#include "trees.hpp"
 
 namespace grapeshot::test {
 namespace {
-
-double borderline(const Tree& a, const Tree& b, const Pose& pose) {
-    return 1e-6 * (double{a.radius} + b.radius + pose.translation.cast<double>().norm());
-}
 
 /// Those that are in one of two lists only (both ascending) touch so little that rounding decides.
 void expectSamePairs(const Tree& a, const Tree& b, const Pose& pose, const std::vector<TrianglePair>& found,

@@ -10,14 +10,10 @@
 #include <support/test_size.hpp>
 
 #include "meshes.hpp"
+#include "trees.hpp"
 
 namespace grapeshot::test {
 namespace {
-
-/// How wrong may a pose be where single precision decides: relative to everything that is added up. m
-double borderline(const Tree& a, const Tree& b, const Pose& pose) {
-    return 1e-6 * (double{a.radius} + b.radius + pose.translation.cast<double>().norm());
-}
 
 struct Tally {
     int poses = 0;

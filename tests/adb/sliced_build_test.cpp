@@ -9,19 +9,17 @@
 #include <grapeshot/core/error.hpp>
 #include <scenes/shapes.hpp>
 
+#include "trees.hpp"
+
 namespace grapeshot {
 namespace {
 
-template <typename T>
-bool sameMemory(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                                               a.size() * sizeof(T)) == 0;
-}
+using test::sameBytes;
 
 void expectSame(const Tree& a, const Tree& b) {
-    EXPECT_TRUE(sameMemory(a.nodes, b.nodes));
-    EXPECT_TRUE(sameMemory(a.distributions, b.distributions));
-    EXPECT_TRUE(sameMemory(a.leaves, b.leaves));
+    EXPECT_TRUE(sameBytes(a.nodes, b.nodes));
+    EXPECT_TRUE(sameBytes(a.distributions, b.distributions));
+    EXPECT_TRUE(sameBytes(a.leaves, b.leaves));
     EXPECT_EQ(a.vertices, b.vertices);
     EXPECT_EQ(a.triangles, b.triangles);
     EXPECT_EQ(a.lower, b.lower);

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include <grapeshot/adb/detail/tree_contents.hpp>
@@ -11,32 +10,12 @@
 
 #include <support/fault_of.hpp>
 #include "meshes.hpp"
+#include "trees.hpp"
 
 namespace grapeshot::test {
 namespace {
 
 using ::testing::IsEmpty;
-
-/// Levels of nodes, by descent.
-std::size_t depthOf(const Tree& tree) {
-    std::vector<std::size_t> levels(tree.nodes.size(), 1);
-    std::size_t deepest = 1;
-    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-        for (const ChildRef child : tree.nodes[i].child) {
-            if (!isLeaf(child)) {
-                levels[child] = levels[i] + 1;
-                deepest = std::max(deepest, levels[child]);
-            }
-        }
-    }
-    return deepest;
-}
-
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                                               a.size() * sizeof(T)) == 0;
-}
 
 TEST(Build, IsSoundOnEveryKind) {
     for (const NamedMesh& kind : everyKind()) {

@@ -13,16 +13,14 @@
 
 #include "scenes/shapes.hpp"
 #include "support/poses.hpp"
+#include "trees.hpp"
 
 namespace grapeshot {
 namespace {
 
-namespace fs = std::filesystem;
+using test::sameBytes;
 
-template <class T>
-bool sameBytes(const std::vector<T>& left, const std::vector<T>& right) {
-    return left.size() == right.size() && std::memcmp(left.data(), right.data(), left.size() * sizeof(T)) == 0;
-}
+namespace fs = std::filesystem;
 
 class TreeFile : public testing::Test {
   protected:

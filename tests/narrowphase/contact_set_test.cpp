@@ -58,7 +58,7 @@ std::vector<Vector3f> gridFoot(float halfX, float halfZ, int cells) {
     return feet;
 }
 
-Pose posed(const Vector3f& translation, const Eigen::AngleAxisf& turn = Eigen::AngleAxisf::Identity()) {
+Pose posedAt(const Vector3f& translation, const Eigen::AngleAxisf& turn = Eigen::AngleAxisf::Identity()) {
     return {turn.toRotationMatrix(), translation};
 }
 
@@ -116,8 +116,8 @@ TEST(ContactSet, KeepsTheFourCornersOfATessellatedFoot) {
     Random random(1);
     for (const int cells : {1, 2, 3, 8, 20, 25}) {
         for (int trial = 0; trial < 10; ++trial) {
-            const Pose pose = posed({0.3F, 0.004F, -0.2F},
-                                    Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 6)), Vector3f::UnitY()));
+            const Pose pose = posedAt({0.3F, 0.004F, -0.2F},
+                                      Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 6)), Vector3f::UnitY()));
             auto contacts = onFloor(gridFoot(0.5F, 0.3F, cells), pose);
             shuffle(contacts, random);
             ContactSet set;
@@ -137,7 +137,7 @@ TEST(ContactSet, IsQuietAtRestUnderNoise) {
     ContactSet set;
     for (int i = 0; i < 200; ++i) {
         const auto noise = [&] { return static_cast<float>(random.uniform(-3e-4, 3e-4)); };
-        const Pose pose = posed({noise(), 0.002F + noise(), noise()}, Eigen::AngleAxisf(noise(), random.direction()));
+        const Pose pose = posedAt({noise(), 0.002F + noise(), noise()}, Eigen::AngleAxisf(noise(), random.direction()));
         auto contacts = onFloor(feet, pose);
         shuffle(contacts, random);
         step(set, contacts, pose);
@@ -155,7 +155,7 @@ TEST(ContactSet, ALineGivesItsEnds) {
         feet.emplace_back(static_cast<float>(i) * 0.02F - 0.4F, 1e-5F * static_cast<float>(i % 3), 0);
     }
     for (const float angle : {0.0F, 0.7F, 1.9F}) {
-        const Pose pose = posed({0, 0, 0}, Eigen::AngleAxisf(angle, Vector3f::UnitY()));
+        const Pose pose = posedAt({0, 0, 0}, Eigen::AngleAxisf(angle, Vector3f::UnitY()));
         ContactSet set;
         step(set, onFloor(feet, pose), pose);
         expectFeet(set, {feet.front(), feet.back()});
@@ -177,8 +177,8 @@ TEST(ContactSet, PointsAreApartAndTheDeepestIsAmongThem) {
         for (int i = 0; i < 6; ++i) {
             // Sliding, so that kept points meet new ones.
             const Pose pose =
-                posed({static_cast<float>(i) * 0.004F, static_cast<float>(random.uniform(-0.01, 0.01)), 0},
-                      Eigen::AngleAxisf(static_cast<float>(random.uniform(-0.05, 0.05)), random.direction()));
+                posedAt({static_cast<float>(i) * 0.004F, static_cast<float>(random.uniform(-0.01, 0.01)), 0},
+                        Eigen::AngleAxisf(static_cast<float>(random.uniform(-0.05, 0.05)), random.direction()));
             const auto contacts = onFloor(feet, pose, 0.08F);
             step(set, contacts, pose);
             std::vector<ContactRegion> regions = groupRegions(contacts, defaults.regions);
@@ -254,12 +254,12 @@ TEST(ContactSet, ATableStandsOnItsFootNotOnShorterLegs) {
     ContactSetSettings settings;
     settings.regions.spacing = 1;
     ContactSet set;
-    const Pose level = posed({0, 0.001F, 0});
+    const Pose level = posedAt({0, 0.001F, 0});
     step(set, onFloor(feet, level), level, settings);
     expectFeet(set, {{-0.1F, 0, -0.1F}, {-0.1F, 0, 0.1F}, {0.1F, 0, -0.1F}, {0.1F, 0, 0.1F}});
     // Nothing changes by a tilt of a thousandth.
     const ContactSet before = set;
-    const Pose tilted = posed({0, 0.001F, 0}, Eigen::AngleAxisf(1e-3F, Vector3f::UnitX()));
+    const Pose tilted = posedAt({0, 0.001F, 0}, Eigen::AngleAxisf(1e-3F, Vector3f::UnitX()));
     step(set, onFloor(feet, tilted), tilted, settings);
     expectFeet(set, {{-0.1F, 0, -0.1F}, {-0.1F, 0, 0.1F}, {0.1F, 0, -0.1F}, {0.1F, 0, 0.1F}});
     EXPECT_EQ(idsOf(set), idsOf(before));
@@ -268,7 +268,7 @@ TEST(ContactSet, ATableStandsOnItsFootNotOnShorterLegs) {
 TEST(ContactSet, ATiltedFootKeepsItsFarEdge) {
     // The far edge hangs 3 mm above the floor: still one face.
     const auto feet = gridFoot(0.5F, 0.3F, 20);
-    const Pose tilted = posed({0, 0.0015F, 0}, Eigen::AngleAxisf(0.003F, Vector3f::UnitZ()));
+    const Pose tilted = posedAt({0, 0.0015F, 0}, Eigen::AngleAxisf(0.003F, Vector3f::UnitZ()));
     ContactSet set;
     step(set, onFloor(feet, tilted), tilted);
     expectFeet(set, corners);
@@ -279,7 +279,7 @@ TEST(ContactSet, ASlidingBlockKeepsNamesCornersAndAges) {
     for (const float speed : {0.004F, 0.015F, 0.019F}) {
         ContactSet set;
         for (int i = 0; i < 100; ++i) {
-            const Pose pose = posed({speed * static_cast<float>(i), 0.001F, 0.3F * speed * static_cast<float>(i)});
+            const Pose pose = posedAt({speed * static_cast<float>(i), 0.001F, 0.3F * speed * static_cast<float>(i)});
             step(set, onFloor(feet, pose), pose);
             ASSERT_EQ(idsOf(set), std::vector<std::uint32_t>{1});
             expectFeet(set, corners);
@@ -296,7 +296,7 @@ TEST(ContactSet, AFastBlockKeepsItsSlotThoughItsPointsGo) {
     const auto feet = gridFoot(0.5F, 0.3F, 20);
     ContactSet set;
     for (int i = 0; i < 50; ++i) {
-        const Pose pose = posed({0.2F * static_cast<float>(i), 0, 0});
+        const Pose pose = posedAt({0.2F * static_cast<float>(i), 0, 0});
         refresh(set, pose, defaults);
         if (i > 0) {
             EXPECT_TRUE(pointsOf(set).empty()) << "slid by ten times mergeDistance";
@@ -314,7 +314,7 @@ TEST(ContactSet, ARockingBlockKeepsNames) {
     for (int i = 0; i < 300; ++i) {
         const float angle = 0.1F * std::sin(0.11F * static_cast<float>(i));
         const float lift = 0.5F * std::abs(std::sin(angle));
-        const Pose pose = posed({0, lift, 0}, Eigen::AngleAxisf(angle, Vector3f::UnitZ()));
+        const Pose pose = posedAt({0, lift, 0}, Eigen::AngleAxisf(angle, Vector3f::UnitZ()));
         step(set, onFloor(feet, pose), pose);
         ASSERT_EQ(idsOf(set), std::vector<std::uint32_t>{1}) << "step " << i;
         const std::size_t count = pointsOf(set).size();
@@ -359,8 +359,8 @@ TEST(ContactSet, RefreshReevaluatesAlongTheNormalThatTurnsWithB) {
         ContactSet set;
         merge(set, onFloor(feet, {}), {}, true, defaults);
         ContactSet before = set;
-        const Pose pose = posed(static_cast<float>(random.uniform(0, 0.05)) * random.direction(),
-                                Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 0.2)), random.direction()));
+        const Pose pose = posedAt(static_cast<float>(random.uniform(0, 0.05)) * random.direction(),
+                                  Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 0.2)), random.direction()));
         refresh(set, pose, defaults);
         std::size_t found = 0;
         for (const PersistentPoint& old : pointsOf(before)) {
@@ -398,8 +398,8 @@ TEST(ContactSet, PointsWithoutCounterpartGoOnlyIfAllContactsAreKnown) {
         EXPECT_EQ(pointsOf(set).size(), complete ? 0U : 4U);
         EXPECT_EQ(idsOf(set).empty(), complete);
         // Evidence is not for ever.
-        refresh(set, posed({0, 0.1F, 0}), defaults);
-        merge(set, {}, posed({0, 0.1F, 0}), false, defaults);
+        refresh(set, posedAt({0, 0.1F, 0}), defaults);
+        merge(set, {}, posedAt({0, 0.1F, 0}), false, defaults);
         EXPECT_TRUE(idsOf(set).empty());
     }
 }
@@ -546,8 +546,9 @@ TEST(ContactSet, IsAValueSameBytesAndContinuesFromACopy) {
         for (int i = from; i < to; ++i) {
             Random random(seed + static_cast<std::uint64_t>(i));
             const auto feet = gridFoot(0.5F, 0.3F, 12);
-            const Pose pose = posed({0.01F * static_cast<float>(i), static_cast<float>(random.uniform(-0.01, 0.03)), 0},
-                                    Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 0.1)), random.direction()));
+            const Pose pose =
+                posedAt({0.01F * static_cast<float>(i), static_cast<float>(random.uniform(-0.01, 0.03)), 0},
+                        Eigen::AngleAxisf(static_cast<float>(random.uniform(0, 0.1)), random.direction()));
             step(set, onFloor(feet, pose), pose, defaults, i % 5 != 0);
         }
         return set;
@@ -565,7 +566,7 @@ TEST(ContactSet, ABallRollingInABowlKeepsOneName) {
     for (int i = 0; i < 200; ++i) {
         const float angle = 0.8F * std::sin(0.03F * static_cast<float>(i));
         const Vector3f center = 0.7F * Vector3f(std::sin(angle), -std::cos(angle), 0);
-        const Pose pose = posed(center, Eigen::AngleAxisf(-2.3F * angle, Vector3f::UnitZ()));
+        const Pose pose = posedAt(center, Eigen::AngleAxisf(-2.3F * angle, Vector3f::UnitZ()));
         std::vector<SurfaceContact> contacts;
         for (int u = -6; u <= 6; ++u) {
             for (int v = -6; v <= 6; ++v) {

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-using Contacts = std::vector<SurfaceContact>;
+using ContactList = std::vector<SurfaceContact>;
 
 constexpr float reach = 0.06F;
 
@@ -56,7 +56,7 @@ Vector3f inflatedPoint(const MeshModel& model, test::Random& random, float margi
 
 /// What holds for every contact: unit normal, points on a line along it, onA on the mesh (in the middle of a cut, if
 /// that is where a contact may come from: half the depth off).
-void expectConsistent(const Body& body, const Contacts& contacts, const std::string& where, bool orCut = false) {
+void expectConsistent(const Body& body, const ContactList& contacts, const std::string& where, bool orCut = false) {
     for (const SurfaceContact& contact : contacts) {
         EXPECT_NEAR(contact.normal.norm(), 1, 1e-5F) << where << testing::PrintToString(contact);
         EXPECT_LE(contact.signedDistance, reach) << where;
@@ -79,7 +79,7 @@ TEST(PlaneContacts, TheDeepestVertexIsThereHoweverDeep) {
         for (std::size_t i = 0; i < test::sampleSize(60, 2000); ++i) {
             const Vector3f normal = random.direction();
             const PlaneSolid plane{normal, static_cast<float>(random.uniform(-0.8, 2))};
-            Contacts contacts;
+            ContactList contacts;
             const std::uint64_t work = planeContacts(body.model, plane, reach, {}, contacts);
             float lowest = 1e9F;
             for (const Vector3f& vertex : body.model.tree.vertices) {
@@ -106,7 +106,7 @@ TEST(PlaneContacts, TheDeepestVertexIsThereHoweverDeep) {
 TEST(PlaneContacts, ABlockLyingFlatHasItsCornersOnly) {
     const MeshModel block = makeModel(scenes::box({0.5F, 0.25F, 0.4F}).view());
     for (const float gap : {0.05F, 0.0F, -0.01F, -0.4F, -30.0F}) {
-        Contacts contacts;
+        ContactList contacts;
         planeContacts(block, {Vector3f::UnitY(), -0.25F - gap}, reach, {}, contacts);
         ASSERT_EQ(contacts.size(), 4U) << gap;
         for (const SurfaceContact& contact : contacts) {
@@ -119,7 +119,7 @@ TEST(PlaneContacts, ABlockLyingFlatHasItsCornersOnly) {
 // Few contacts, all near the bottom: what is sunk, but no extremum, adds nothing.
 TEST(PlaneContacts, ARoundBodyHasItsBottomOnly) {
     const MeshModel ball = makeModel(scenes::sphere(1, 16).view());
-    Contacts contacts;
+    ContactList contacts;
     planeContacts(ball, {Vector3f::UnitY(), -0.5F}, reach, {}, contacts);
     ASSERT_FALSE(contacts.empty());
     EXPECT_LE(contacts.size(), 30U);
@@ -136,7 +136,7 @@ TEST(PlaneContacts, AHollowsCeilingIsNoContact) {
     }
     const MeshModel shell = makeModel(scenes::merged(scenes::sphere(1, 6), inner).view());
     ASSERT_TRUE(shell.solid);
-    Contacts contacts;
+    ContactList contacts;
     planeContacts(shell, {Vector3f::UnitY(), 0.0F}, reach, {}, contacts);
     ASSERT_FALSE(contacts.empty());
     for (const SurfaceContact& contact : contacts) {
@@ -155,7 +155,7 @@ TEST(SphereContacts, TheDeepestIsTheSignedDistanceOfTheCentre) {
         for (std::size_t i = 0; i < test::sampleSize(400, 10000); ++i) {
             const SphereSolid sphere{inflatedPoint(body.model, random, 0.3F),
                                      static_cast<float>(random.uniform(0.0, 0.3))};
-            Contacts contacts;
+            ContactList contacts;
             sphereContacts(body.model, sphere, reach, {}, contacts);
             const double truth = body.truth.signedDistance(sphere.center.cast<double>()) - sphere.radius;
             const std::string where = std::string(body.name) + ", sample " + std::to_string(i) + ": ";
@@ -185,7 +185,7 @@ TEST(SphereContacts, ABallInACornerTouchesEveryWall) {
     room.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 0, 2}, {0, 0, 2}, {0, 2, 0}, {0, 2, 2}, {2, 2, 0}};
     room.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 4, 5}, {0, 5, 3}, {0, 1, 6}, {0, 6, 4}};
     const MeshModel model = makeModel(room.view());
-    Contacts contacts;
+    ContactList contacts;
     sphereContacts(model, {{0.11F, 0.12F, 0.09F}, 0.1F}, reach, {}, contacts);
     ASSERT_EQ(contacts.size(), 3U);
     for (int axis = 0; axis < 3; ++axis) {
@@ -200,7 +200,7 @@ TEST(SphereContacts, ASheetPushesToTheCentresSide) {
     const MeshModel sheet = makeModel(scenes::grid(1, 1, 4, 4).view());
     for (const float side : {1.0F, -1.0F}) {
         for (const float height : {0.05F, 0.2F, 0.22F}) {
-            Contacts contacts;
+            ContactList contacts;
             sphereContacts(sheet, {{0.1F, side * height, 0.03F}, 0.2F}, reach, {}, contacts);
             ASSERT_EQ(contacts.size(), 1U);
             EXPECT_NEAR(contacts[0].signedDistance, height - 0.2F, 1e-6F);
@@ -234,7 +234,7 @@ TEST(CapsuleContacts, TheDeepestIsTheAxisSignedDistance) {
                 continue;
             }
             capsule.radius = static_cast<float>(std::max(0.0, axis + random.uniform(-0.1, 0.02)));
-            Contacts contacts;
+            ContactList contacts;
             capsuleContacts(body.model, capsule, reach, {}, contacts);
             const double truth = axis - capsule.radius;
             const std::string where = std::string(body.name) + ", sample " + std::to_string(i) + ": ";
@@ -263,7 +263,7 @@ TEST(CapsuleContacts, LyingOnAFloorItTouchesAtBothEnds) {
             for (const float gap : {0.02F, -0.01F}) {
                 const float lift = 0.2F + gap;
                 const CapsuleSolid capsule{{-0.5F, lift, 0.11F}, {0.5F, lift + tilt, 0.23F}, 0.2F};
-                Contacts contacts;
+                ContactList contacts;
                 capsuleContacts(floor, capsule, reach, {}, contacts);
                 ASSERT_EQ(contacts.size(), 2U) << gap << ' ' << tilt;
                 for (const SurfaceContact& contact : contacts) {
@@ -277,7 +277,7 @@ TEST(CapsuleContacts, LyingOnAFloorItTouchesAtBothEnds) {
 
 TEST(CapsuleContacts, AcrossABarItTouchesBothRims) {
     const MeshModel bar = makeModel(scenes::box({0.1F, 0.1F, 1}).view());
-    Contacts contacts;
+    ContactList contacts;
     capsuleContacts(bar, {{-0.6F, 0.19F, 0}, {0.6F, 0.19F, 0.2F}, 0.1F}, reach, {}, contacts);
     EXPECT_EQ(contacts.size(), 2U);
     for (const SurfaceContact& contact : contacts) {
@@ -298,8 +298,8 @@ TEST(CapsuleContacts, WithoutLengthItIsASphere) {
     test::Random random(4);
     for (int i = 0; i < 30; ++i) {
         const Vector3f center = inflatedPoint(cup.model, random, 0.2F);
-        Contacts sphere;
-        Contacts capsule;
+        ContactList sphere;
+        ContactList capsule;
         sphereContacts(cup.model, {center, 0.1F}, reach, {}, sphere);
         capsuleContacts(cup.model, {center, center, 0.1F}, reach, {}, capsule);
         ASSERT_EQ(sphere.size(), capsule.size());
@@ -340,12 +340,12 @@ TEST(BoxContacts, AreThoseOfTheBoxesMesh) {
                 }
             }
             box.pose.translation = (t + static_cast<float>(random.uniform(0.0, 0.05))) * direction;
-            Contacts analytic;
+            ContactList analytic;
             boxContacts(body.model, box, 0.05F, {}, analytic);
-            const Contacts meshes = test::localContactsOf(body.model, boxModel, box.pose, 0.05F);
+            const ContactList meshes = test::localContactsOf(body.model, boxModel, box.pose, 0.05F);
             const std::string where = std::string(body.name) + ", sample " + std::to_string(i) + ": ";
             expectConsistent(body, analytic, where, detail::canReachThrough(body.model, box));
-            const auto has = [](const Contacts& list, const SurfaceContact& contact) {
+            const auto has = [](const ContactList& list, const SurfaceContact& contact) {
                 return std::any_of(list.begin(), list.end(), [&](const SurfaceContact& other) {
                     return (other.onA - contact.onA).norm() < 1e-3F && other.normal.dot(contact.normal) > 0.999F &&
                            std::abs(other.signedDistance - contact.signedDistance) < 1e-4F;
@@ -384,7 +384,7 @@ TEST(BoxContacts, ABodyThatGoesRightThroughAThinWallIsPushedOut) {
         BoxSolid wall;
         wall.half = half;
         wall.pose.translation = Vector3f(x, 0.1F, 0.05F);
-        Contacts contacts;
+        ContactList contacts;
         boxContacts(ball, wall, 0.01F, {}, contacts);
         const scenes::PoseD pose{Eigen::Matrix3d::Identity(), wall.pose.translation.cast<double>()};
         const double depth = scenes::truePenetration(ballTruth, {}, wallTruth, pose);
@@ -413,7 +413,7 @@ TEST(BoxContacts, ABodyOverOrInAThickFloorIsPushedUp) {
                 }
                 const Pose bodyInBox{turn, Vector3f(static_cast<float>(random.uniform(-3, 3)), 1 - lowest - depth,
                                                     static_cast<float>(random.uniform(-3, 3)))};
-                Contacts contacts;
+                ContactList contacts;
                 boxContacts(body.model, {inverse(bodyInBox), half}, reach, {}, contacts);
                 const std::string where = std::string(body.name) + ", depth " + std::to_string(depth) + ": ";
                 ASSERT_FALSE(contacts.empty()) << where;
@@ -431,7 +431,7 @@ TEST(BoxContacts, ABlockOnAnEqualBoxTouchesInTheWholeOverlap) {
     const MeshModel block = makeModel(scenes::box(half).view());
     for (const float gap : {0.03F, 0.001F, -0.002F}) {
         for (const Vector3f& offset : {Vector3f(0, 0, 0), Vector3f(1e-5F, 0, 0), Vector3f(0.3F, 0, 0.2F)}) {
-            Contacts contacts;
+            ContactList contacts;
             boxContacts(block, {{Matrix3f::Identity(), Vector3f(0, -1 - gap, 0) - offset}, half}, reach, {}, contacts);
             const Vector3f low = (-half).cwiseMax(-half - offset);
             const Vector3f high = half.cwiseMin(half - offset);
@@ -460,7 +460,7 @@ TEST(BoxContacts, AUOnABarHangsOnItsInnerSide) {
     const float depth = (u.tree.lower.z() + u.tree.upper.z()) / 2;
     for (const float gap : {0.01F, -0.005F}) {
         const Vector3f half(0.2F, 0.2F, 2);
-        Contacts contacts;
+        ContactList contacts;
         boxContacts(u, {{Matrix3f::Identity(), Vector3f(middle, innerTop - 0.2F - gap, depth)}, half}, reach, {},
                     contacts);
         ASSERT_GE(contacts.size(), 4U) << gap;
@@ -484,25 +484,25 @@ TEST(ConvexContacts, TessellatedBodiesFollowTheFormula) {
         const float gap = static_cast<float>(random.uniform(-0.02, 0.04));
         const Pose ballInWorld{turn, Vector3f(0.1F, radius + gap, 0.2F)};
         const Vector3f up = turn.transpose() * Vector3f::UnitY();
-        const auto expectGap = [&](const Contacts& contacts, const Vector3f& normal, const char* way) {
+        const auto expectGap = [&](const ContactList& contacts, const Vector3f& normal, const char* way) {
             const SurfaceContact* contact = test::deepest(contacts);
             ASSERT_NE(contact, nullptr) << way;
             EXPECT_NEAR(contact->signedDistance, gap, sagitta) << way;
             EXPECT_GT(contact->normal.dot(normal), 0.999F) << way;
         };
-        Contacts plane;
+        ContactList plane;
         planeContacts(ball, {up, -(radius + gap)}, reach, {}, plane);
         expectGap(plane, up, "plane");
-        Contacts box;
+        ContactList box;
         const Pose boxInBall = compose(inverse(ballInWorld), {Matrix3f::Identity(), Vector3f(0, -1, 0)});
         boxContacts(ball, {boxInBall, {3, 1, 3}}, reach, {}, box);
         expectGap(box, up, "box");
         expectGap(test::localContactsOf(ball, floor, inverse(ballInWorld), reach), up, "mesh");
-        Contacts sphere;
+        ContactList sphere;
         sphereContacts(ball, {(radius + gap + 0.3F) * random.direction(), 0.3F}, reach, {}, sphere);
         ASSERT_FALSE(sphere.empty());
         EXPECT_NEAR(test::deepest(sphere)->signedDistance, gap, sagitta);
-        Contacts capsule;
+        ContactList capsule;
         const Vector3f across = up.unitOrthogonal();
         const Vector3f below = -(radius + gap + 0.1F) * up;
         capsuleContacts(ball, {below - across, below + across, 0.1F}, reach, {}, capsule);

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 using test::localContactsOf;
-using Contacts = std::vector<SurfaceContact>;
+using ContactList = std::vector<SurfaceContact>;
 
 constexpr float flatReach = 0.06F;
 
@@ -27,13 +27,13 @@ Matrix3f yaw(float angle) {
     return Eigen::AngleAxisf(angle, Vector3f::UnitY()).toRotationMatrix();
 }
 
-bool isPresent(const Contacts& contacts, const Vector3f& onA, float tolerance) {
+bool isPresent(const ContactList& contacts, const Vector3f& onA, float tolerance) {
     return std::any_of(contacts.begin(), contacts.end(),
                        [&](const SurfaceContact& contact) { return (contact.onA - onA).norm() <= tolerance; });
 }
 
 /// Every contact is straight up with the given distance.
-void expectFlat(const Contacts& contacts, const Vector3f& up, float gap, const std::string& where) {
+void expectFlat(const ContactList& contacts, const Vector3f& up, float gap, const std::string& where) {
     for (const SurfaceContact& contact : contacts) {
         EXPECT_GT(contact.normal.dot(up), 1 - 1e-6F) << where << testing::PrintToString(contact);
         EXPECT_NEAR(contact.signedDistance, gap, 1e-5F) << where << testing::PrintToString(contact);
@@ -74,14 +74,14 @@ TEST(FlatContacts, ABlockOverOrInAFloorHasItsFourCornersStraightUp) {
                     const Pose floorInBlock = inverse({turn, at});
                     const std::string where = std::string(floor.name) + ", cells " + std::to_string(cells) + ", gap " +
                                               std::to_string(gap) + ", sample " + std::to_string(i) + ": ";
-                    const Contacts contacts = localContactsOf(block, ground, floorInBlock, flatReach);
+                    const ContactList contacts = localContactsOf(block, ground, floorInBlock, flatReach);
                     expectFlat(contacts, Vector3f::UnitY(), gap, where);
                     for (int corner = 0; corner < 4; ++corner) {
                         const Vector3f onA(corner % 2 == 0 ? half.x() : -half.x(), -half.y(),
                                            corner / 2 == 0 ? half.z() : -half.z());
                         EXPECT_TRUE(isPresent(contacts, onA, 1e-4F)) << where << onA.transpose();
                     }
-                    const Contacts swapped = localContactsOf(ground, block, {turn, at}, flatReach);
+                    const ContactList swapped = localContactsOf(ground, block, {turn, at}, flatReach);
                     expectFlat(swapped, -Vector3f::UnitY(), gap, where + "swapped ");
                     EXPECT_EQ(swapped.size(), contacts.size()) << where;
                 }
@@ -99,7 +99,7 @@ TEST(FlatContacts, SlightlyTiltedFacesGiveAllCornersWithTheFloorsNormal) {
             const Matrix3f turn =
                 yaw(0.3F) * Eigen::AngleAxisf(tilt, Vector3f(1, 0, 0.5F).normalized()).toRotationMatrix();
             const Pose blockInWorld{turn, Vector3f(0.1F, half.y() + 0.01F, 0.05F)};
-            const Contacts contacts = localContactsOf(block, ground, inverse(blockInWorld), flatReach);
+            const ContactList contacts = localContactsOf(block, ground, inverse(blockInWorld), flatReach);
             for (int corner = 0; corner < 4; ++corner) {
                 const Vector3f onA(corner % 2 == 0 ? half.x() : -half.x(), -half.y(),
                                    corner / 2 == 0 ? half.z() : -half.z());
@@ -131,7 +131,7 @@ TEST(FlatContacts, StackedBoxesTouchInTheWholeOverlap) {
             }
             for (const Vector3f& offset : offsets) {
                 const Vector3f up(0, 2 * half.y() + gap, 0);
-                const Contacts contacts = localContactsOf(box, box, {Matrix3f::Identity(), -up - offset}, flatReach);
+                const ContactList contacts = localContactsOf(box, box, {Matrix3f::Identity(), -up - offset}, flatReach);
                 const std::string where = "cells " + std::to_string(cells) + ", gap " + std::to_string(gap) +
                                           ", offset " + testing::PrintToString(offset.transpose()) + ": ";
                 for (const SurfaceContact& contact : contacts) {
@@ -157,7 +157,7 @@ TEST(FlatContacts, TurnedStackedBoxesAreFlatAndComplete) {
     for (const float gap : {0.03F, 1e-3F, -1e-3F, -0.01F}) {
         for (const float angle : {1e-6F, 1e-5F, 1e-4F, 1e-3F, 0.01F, 0.03F, 0.2F, 0.785398F, 1.5F}) {
             const Pose pose{yaw(angle), Vector3f(0, -1 - gap, 0)};
-            const Contacts contacts = localContactsOf(box, box, pose, flatReach);
+            const ContactList contacts = localContactsOf(box, box, pose, flatReach);
             Vector3f low = Vector3f::Ones();
             Vector3f high = -Vector3f::Ones();
             for (const SurfaceContact& contact : contacts) {
@@ -181,7 +181,7 @@ TEST(FlatContacts, BoxesSideBySideOnlyPushSideways) {
     for (const float gap : {0.02F, 1e-3F, 1e-5F, 0.0F, -1e-5F, -1e-3F}) {
         for (const float lower : {0.0F, 0.003F, 0.03F, 0.4F}) {
             const Pose pose{Matrix3f::Identity(), Vector3f(-1 - gap, -lower, 0)};
-            const Contacts contacts = localContactsOf(box, box, pose, flatReach);
+            const ContactList contacts = localContactsOf(box, box, pose, flatReach);
             EXPECT_GE(contacts.size(), 4U);
             for (const SurfaceContact& contact : contacts) {
                 EXPECT_GT(contact.normal.x(), 0.999F)
@@ -199,7 +199,7 @@ TEST(FlatContacts, NothingIsPulledThroughAPlate) {
     const MeshModel body = makeModel(scenes::box(Vector3f::Constant(0.01F)).view());
     for (const float gap : {0.001F, 0.01F, 0.02F}) {
         const Pose plateInBody{yaw(0.4F), Vector3f(0.1F, 0.015F + gap, 0)};
-        const Contacts contacts = localContactsOf(body, plate, plateInBody, flatReach);
+        const ContactList contacts = localContactsOf(body, plate, plateInBody, flatReach);
         EXPECT_GE(contacts.size(), 4U);
         expectFlat(contacts, -Vector3f::UnitY(), gap, "under the plate: ");
     }
@@ -211,14 +211,15 @@ TEST(FlatContacts, ASheetPushesTowardsTheSideWhereTheBodyIs) {
     for (const float side : {1.0F, -1.0F}) {
         for (const float gap : {0.02F, -0.02F}) {
             const Pose sheetInBody{Matrix3f::Identity(), Vector3f(0.13F, -side * (0.2F + gap), 0.07F)};
-            const Contacts contacts = localContactsOf(body, sheet, sheetInBody, flatReach);
+            const ContactList contacts = localContactsOf(body, sheet, sheetInBody, flatReach);
             EXPECT_GE(contacts.size(), 4U);
             expectFlat(contacts, side * Vector3f::UnitY(), gap, "sheet: ");
         }
     }
     // Wholly below it, by less than the search distance: free.
     const MeshModel small = makeModel(scenes::box(Vector3f::Constant(0.01F)).view());
-    const Contacts below = localContactsOf(small, sheet, {Matrix3f::Identity(), Vector3f(0.13F, 0.03F, 0)}, flatReach);
+    const ContactList below =
+        localContactsOf(small, sheet, {Matrix3f::Identity(), Vector3f(0.13F, 0.03F, 0)}, flatReach);
     expectFlat(below, -Vector3f::UnitY(), 0.02F, "below: ");
     EXPECT_GE(below.size(), 4U);
 }
@@ -227,7 +228,7 @@ TEST(FlatContacts, TwoSheetsNeverPenetrate) {
     const MeshModel lower = makeModel(scenes::grid(1, 1, 4, 4).view());
     const MeshModel upper = makeModel(scenes::grid(0.5F, 0.5F, 3, 3).view());
     for (const float height : {0.03F, -0.03F}) {
-        const Contacts contacts = localContactsOf(upper, lower, {yaw(0.2F), Vector3f(0, -height, 0)}, flatReach);
+        const ContactList contacts = localContactsOf(upper, lower, {yaw(0.2F), Vector3f(0, -height, 0)}, flatReach);
         EXPECT_GE(contacts.size(), 4U);
         expectFlat(contacts, Vector3f(0, height > 0 ? 1 : -1, 0), 0.03F, "sheets: ");
     }
@@ -257,7 +258,7 @@ TEST(FlatContacts, ATipUnderAValleyComesOut) {
         for (const scenes::Mesh& mesh : {sheet, block}) {
             const MeshModel valley = makeModel(mesh.view());
             for (const float depth : {0.002F, 0.02F}) {
-                const Contacts contacts =
+                const ContactList contacts =
                     localContactsOf(tip, valley, {Matrix3f::Identity(), Vector3f(0, depth, 0.1F)}, flatReach);
                 const SurfaceContact* contact = test::deepest(contacts);
                 ASSERT_NE(contact, nullptr) << slope << ' ' << depth << ' ' << valley.solid;

@@ -24,7 +24,7 @@ using Eigen::Matrix3f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 using test::localContactsOf;
-using Contacts = std::vector<SurfaceContact>;
+using ContactList = std::vector<SurfaceContact>;
 
 struct Named {
     const char* name;
@@ -92,7 +92,7 @@ double trueDistance(const MeshModel& a, const MeshModel& b, const Pose& pose, do
     return least;
 }
 
-void expectConsistent(const MeshModel& a, const MeshModel& b, const Pose& pose, const Contacts& contacts,
+void expectConsistent(const MeshModel& a, const MeshModel& b, const Pose& pose, const ContactList& contacts,
                       float maxDistance, const std::string& where) {
     for (const SurfaceContact& contact : contacts) {
         const std::string what = where + testing::PrintToString(contact);
@@ -138,7 +138,7 @@ TEST(LocalContacts, TheClosestPointsAreAContact) {
         const Pose pose = posed(a, b, gap, random);
         const std::string where = std::string(meshes[ia].name) + " - " + meshes[ib].name + ", sample " +
                                   std::to_string(i) + ", gap " + std::to_string(gap) + ": ";
-        const Contacts contacts = localContactsOf(a, b, pose, 0.06F);
+        const ContactList contacts = localContactsOf(a, b, pose, 0.06F);
         expectConsistent(a, b, pose, contacts, 0.06F, where);
         const double truth = trueDistance(a, b, pose, 0.06);
         if (truth > 0.059 || truth < 1e-5) {
@@ -234,7 +234,7 @@ TEST(LocalContacts, TheLeastSeparationOfConvexBodiesIsAContact) {
         const std::string where =
             std::string(meshes[ia].name) + " - " + meshes[ib].name + ", sample " + std::to_string(i) + ": ";
         const Separation truth = convexSeparation(models[ia], models[ib], pose);
-        const Contacts contacts = localContactsOf(models[ia], models[ib], pose, 0.06F);
+        const ContactList contacts = localContactsOf(models[ia], models[ib], pose, 0.06F);
         expectConsistent(models[ia], models[ib], pose, contacts, 0.06F, where);
         ++shallow;
         found += std::any_of(contacts.begin(), contacts.end(),
@@ -279,7 +279,7 @@ TEST(LocalContacts, PenetrationsAreInside) {
         const Pose pose = posed(models[ia], models[ib], random.uniform(-0.05, 0.0), random);
         const std::string where =
             std::string(meshes[ia].name) + " - " + meshes[ib].name + ", sample " + std::to_string(i) + ": ";
-        const Contacts contacts = localContactsOf(models[ia], models[ib], pose, 0.06F);
+        const ContactList contacts = localContactsOf(models[ia], models[ib], pose, 0.06F);
         expectConsistent(models[ia], models[ib], pose, contacts, 0.06F, where);
         const Pose aInB = inverse(pose);
         for (const SurfaceContact& contact : contacts) {
@@ -316,8 +316,8 @@ TEST(LocalContacts, ExchangingTheBodiesMirrorsTheContacts) {
         const MeshModel a = makeModel(meshes[random.bits() % meshes.size()].mesh.view());
         const MeshModel b = makeModel(meshes[random.bits() % meshes.size()].mesh.view());
         const Pose pose = posed(a, b, random.uniform(-0.04, 0.03), random);
-        const Contacts forth = localContactsOf(a, b, pose, 0.05F);
-        const Contacts back = localContactsOf(b, a, inverse(pose), 0.05F);
+        const ContactList forth = localContactsOf(a, b, pose, 0.05F);
+        const ContactList back = localContactsOf(b, a, inverse(pose), 0.05F);
         // Borderline ones may go either way; nearly all must have their mirror image.
         std::size_t matched = 0;
         for (const SurfaceContact& contact : forth) {
@@ -350,8 +350,8 @@ TEST(LocalContacts, TheFrameDoesNotMatter) {
             for (Vector3f& vertex : moved.vertices) {
                 vertex = apply(frame, vertex);
             }
-            const Contacts before = localContactsOf(a, b, pose, 0.05F);
-            const Contacts after = localContactsOf(a, makeModel(moved.view()), compose(pose, inverse(frame)), 0.05F);
+            const ContactList before = localContactsOf(a, b, pose, 0.05F);
+            const ContactList after = localContactsOf(a, makeModel(moved.view()), compose(pose, inverse(frame)), 0.05F);
             std::size_t matched = 0;
             for (const SurfaceContact& contact : before) {
                 matched += std::any_of(after.begin(), after.end(),
@@ -365,9 +365,9 @@ TEST(LocalContacts, TheFrameDoesNotMatter) {
 }
 
 /// What one list has and the other does not.
-std::string differences(const Contacts& found, const Contacts& expected) {
+std::string differences(const ContactList& found, const ContactList& expected) {
     std::string text;
-    const auto missing = [&](const Contacts& from, const Contacts& in, const char* what) {
+    const auto missing = [&](const ContactList& from, const ContactList& in, const char* what) {
         for (const SurfaceContact& contact : from) {
             if (std::none_of(in.begin(), in.end(),
                              [&](const auto& c) { return std::memcmp(&c, &contact, sizeof c) == 0; })) {
@@ -380,7 +380,7 @@ std::string differences(const Contacts& found, const Contacts& expected) {
     return text;
 }
 
-bool sameBytes(const Contacts& first, const Contacts& second) {
+bool sameBytes(const ContactList& first, const ContactList& second) {
     return std::equal(first.begin(), first.end(), second.begin(), second.end(),
                       [](const auto& l, const auto& r) { return std::memcmp(&l, &r, sizeof l) == 0; });
 }
@@ -396,7 +396,7 @@ TEST(LocalContacts, TheOrderOfThePairsDoesNotMatter) {
         const Pose pose = posed(a, b, random.uniform(-0.04, 0.02), random);
         LeafPairs leaves;
         Query(a.tree, b.tree).leafPairs(pose, {0.06F, Order::depthFirst}, {}, leaves);
-        Contacts first;
+        ContactList first;
         search.start(a, b, pose, {0.08F, 0.06F});
         search.add(leaves.pairs);
         search.finish(first);
@@ -406,7 +406,7 @@ TEST(LocalContacts, TheOrderOfThePairsDoesNotMatter) {
         for (std::size_t j = leaves.pairs.size(); j > 1; --j) {
             std::swap(leaves.pairs[j - 1], leaves.pairs[random.bits() % j]);
         }
-        Contacts second;
+        ContactList second;
         search.start(a, b, pose, {0.08F, 0.06F});
         const std::size_t half = leaves.pairs.size() / 2;
         EXPECT_EQ(search.add(std::span(leaves.pairs).first(half)), half);
@@ -436,7 +436,7 @@ TEST(LocalContacts, TheFilterLeavesNothingOut) {
             for (std::size_t k = 0; k < test::sampleSize(6, 60); ++k) {
                 const Pose pose = posed(a, b, random.uniform(-0.05, 0.04), random);
                 const float lean = k % 3 == 0 ? 0.0F : (k % 3 == 1 ? 0.08F : 0.3F);
-                const Contacts found = localContactsOf(a, b, pose, 0.06F, lean);
+                const ContactList found = localContactsOf(a, b, pose, 0.06F, lean);
                 EXPECT_EQ(differences(found, test::exhaustiveContactsOf(a, b, pose, 0.06F, lean)), "")
                     << meshes[i].name << ' ' << meshes[j].name << ' ' << k;
                 contactsSeen += found.size();
@@ -466,7 +466,7 @@ TEST(LocalContacts, FlatPartsInAnyPoseAreFilteredLikeOthers) {
         pose.translation[axis] =
             (random.bits() % 2 == 0 ? 1.0F : -1.0F) *
             (a.tree.upper[axis] + b.tree.upper[axis] + static_cast<float>(random.uniform(-0.02, 0.04)));
-        const Contacts found = localContactsOf(a, b, pose, 0.05F);
+        const ContactList found = localContactsOf(a, b, pose, 0.05F);
         EXPECT_EQ(differences(found, test::exhaustiveContactsOf(a, b, pose, 0.05F)), "") << k;
         contactsSeen += found.size();
     }
@@ -493,12 +493,12 @@ TEST(LocalContacts, WorkIsKept) {
 
 TEST(LocalContacts, AppendsAndFarBodiesGiveNothing) {
     const MeshModel a = makeModel(scenes::sphere(0.5F, 3).view());
-    Contacts out(3);
+    ContactList out(3);
     LocalContactSearch search;
     search.start(a, a, {Matrix3f::Identity(), Vector3f(5, 0, 0)}, {});
     search.finish(out);
     EXPECT_EQ(out.size(), 3U);
-    const Contacts near = localContactsOf(a, a, {Matrix3f::Identity(), Vector3f(1.01F, 0, 0)}, 0.05F);
+    const ContactList near = localContactsOf(a, a, {Matrix3f::Identity(), Vector3f(1.01F, 0, 0)}, 0.05F);
     EXPECT_FALSE(near.empty());
     EXPECT_NE(near[0].triangleA, noTriangle);
 }
@@ -509,7 +509,7 @@ TEST(LocalContacts, ABallInACupOfNearlyItsSize) {
     const MeshModel ball = makeModel(scenes::sphere(0.38F, 6).view());
     const float floor = cup.tree.lower.y() + 0.1F;
     const Pose pose{Matrix3f::Identity(), Vector3f(0, floor + 0.38F + 0.005F, 0)};
-    const Contacts contacts = localContactsOf(cup, ball, pose, 0.06F);
+    const ContactList contacts = localContactsOf(cup, ball, pose, 0.06F);
     bool below = false;
     for (const SurfaceContact& contact : contacts) {
         EXPECT_GT(contact.signedDistance, 0) << testing::PrintToString(contact);

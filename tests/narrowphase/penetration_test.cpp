@@ -18,22 +18,22 @@ using Eigen::Vector3f;
 using test::Random;
 
 /// A mesh, its model and its judge.
-struct Body {
-    explicit Body(const scenes::Mesh& mesh) : model(makeModel(mesh.view())), truth(mesh.view()) {}
+struct JudgedBody {
+    explicit JudgedBody(const scenes::Mesh& mesh) : model(makeModel(mesh.view())), truth(mesh.view()) {}
     MeshModel model;
     scenes::TrueSurface truth;
 };
 
-double trueDepth(const Body& a, const Body& b, const Pose& bInA) {
+double trueDepth(const JudgedBody& a, const JudgedBody& b, const Pose& bInA) {
     const scenes::PoseD pose{bInA.rotation.cast<double>(), bInA.translation.cast<double>()};
     return scenes::truePenetration(a.truth, {}, b.truth, pose);
 }
 
-bool collides(const Body& a, const Body& b, const Pose& bInA) {
+bool collides(const JudgedBody& a, const JudgedBody& b, const Pose& bInA) {
     return Query(a.model.tree, b.model.tree).decide(bInA, DecideSettings::exact()).collides;
 }
 
-std::vector<SurfaceContact> cutContacts(const Body& a, const Body& b, const Pose& bInA,
+std::vector<SurfaceContact> cutContacts(const JudgedBody& a, const JudgedBody& b, const Pose& bInA,
                                         const PenetrationSettings& settings = {},
                                         const std::vector<SurfaceContact>& already = {}) {
     const Contacts pairs = Query(a.model.tree, b.model.tree).contacts(bInA, {0.01F, Order::depthFirst});
@@ -59,7 +59,7 @@ const SurfaceContact& deepest(const std::vector<SurfaceContact>& contacts) {
 }
 
 TEST(Penetration, OfTwoBallsIsAlongTheLineOfTheirMiddles) {
-    const Body ball(scenes::sphere(0.5F, 8));
+    const JudgedBody ball(scenes::sphere(0.5F, 8));
     Random random(1);
     for (const float apart : {0.95F, 0.8F, 0.6F, 0.4F}) {
         for (int trial = 0; trial < 5; ++trial) {
@@ -81,8 +81,8 @@ TEST(Penetration, OfTwoBallsIsAlongTheLineOfTheirMiddles) {
 
 TEST(Penetration, OfBlocksIsTheOverlapWhateverTheTessellation) {
     for (const int cells : {1, 6}) {
-        const Body lower(scenes::box({1, 0.5F, 1}, cells));
-        const Body upper(scenes::box({0.3F, 0.5F, 0.3F}, cells));
+        const JudgedBody lower(scenes::box({1, 0.5F, 1}, cells));
+        const JudgedBody upper(scenes::box({0.3F, 0.5F, 0.3F}, cells));
         for (const float depth : {0.03F, 0.1F, 0.3F}) {
             Pose pose{Eigen::AngleAxisf(0.4F, Vector3f::UnitY()).toRotationMatrix(), {0.1F, 1 - depth, 0.05F}};
             // The upper one's sides are cut in one rectangle, however far apart the middles of its pieces are.
@@ -99,7 +99,7 @@ TEST(Penetration, OfBlocksIsTheOverlapWhateverTheTessellation) {
 }
 
 TEST(Penetration, OfCrossingBarsNeedsNoVertexInside) {
-    const Body bar(scenes::box({1, 0.1F, 0.1F}, 1));
+    const JudgedBody bar(scenes::box({1, 0.1F, 0.1F}, 1));
     for (const float overlap : {0.02F, 0.1F}) {
         const Pose pose{Eigen::AngleAxisf(1.5F, Vector3f::UnitY()).toRotationMatrix(), {0.03F, 0.2F - overlap, 0.01F}};
         const auto contacts = cutContacts(bar, bar, pose);
@@ -111,7 +111,7 @@ TEST(Penetration, OfCrossingBarsNeedsNoVertexInside) {
 }
 
 TEST(Penetration, IsExplainedByANearContactThatPushesTheSameWay) {
-    const Body ball(scenes::sphere(0.5F, 6));
+    const JudgedBody ball(scenes::sphere(0.5F, 6));
     const Pose pose{Eigen::Matrix3f::Identity(), {0, 0.9F, 0}};
     const auto contacts = cutContacts(ball, ball, pose);
     ASSERT_FALSE(contacts.empty());
@@ -131,8 +131,8 @@ TEST(Penetration, IsExplainedByANearContactThatPushesTheSameWay) {
 
 TEST(Penetration, DistantCutsAreSeparate) {
     // A ring flat in a plate's upper side: two cuts by its two halves if the plate is a narrow bar.
-    const Body ring(scenes::torus(0.5F, 0.1F, 60, 24));
-    const Body bar(scenes::box({2, 0.5F, 0.05F}, 20));
+    const JudgedBody ring(scenes::torus(0.5F, 0.1F, 60, 24));
+    const JudgedBody bar(scenes::box({2, 0.5F, 0.05F}, 20));
     const Pose pose{Eigen::Matrix3f::Identity(), {0, -0.53F, 0}};
     const auto contacts = cutContacts(ring, bar, pose);
     expectWellFormed(contacts);
@@ -147,8 +147,8 @@ TEST(Penetration, DistantCutsAreSeparate) {
 }
 
 TEST(Penetration, OfABallInAnOpenSheetFollowsTheWinding) {
-    const Body sheet(scenes::grid(2, 2, 30, 30));
-    const Body ball(scenes::sphere(0.5F, 6));
+    const JudgedBody sheet(scenes::grid(2, 2, 30, 30));
+    const JudgedBody ball(scenes::sphere(0.5F, 6));
     ASSERT_FALSE(sheet.model.solid);
     for (const float height : {0.3F, 0.05F, -0.2F}) {
         const Pose pose{Eigen::Matrix3f::Identity(), {0.1F, height, 0.1F}};
@@ -181,7 +181,7 @@ TEST(Penetration, PushesApart) {
     const std::size_t trials = test::sampleSize(25, 250);
     for (const PushCase& shapes : pushCases()) {
         SCOPED_TRACE(shapes.name);
-        const Body a(shapes.a), b(shapes.b);
+        const JudgedBody a(shapes.a), b(shapes.b);
         Random random(7);
         std::size_t tried = 0, parted = 0, better = 0, deep = 0;
         while (tried < trials) {
@@ -214,7 +214,7 @@ TEST(Penetration, SwappedBodiesSeeTheSameFromTheOtherSide) {
     const std::size_t trials = test::sampleSize(15, 150);
     for (const PushCase& shapes : pushCases()) {
         SCOPED_TRACE(shapes.name);
-        const Body a(shapes.a), b(shapes.b);
+        const JudgedBody a(shapes.a), b(shapes.b);
         Random random(8);
         std::size_t differing = 0;
         for (std::size_t tried = 0; tried < trials;) {
@@ -243,8 +243,8 @@ TEST(Penetration, SwappedBodiesSeeTheSameFromTheOtherSide) {
 }
 
 TEST(Containment, OfASmallBodyInABigOneInBothOrders) {
-    const Body big(scenes::sphere(1, 8));
-    const Body small(scenes::box({0.1F, 0.1F, 0.1F}, 2));
+    const JudgedBody big(scenes::sphere(1, 8));
+    const JudgedBody small(scenes::box({0.1F, 0.1F, 0.1F}, 2));
     Random random(9);
     for (int trial = 0; trial < 20; ++trial) {
         const Pose pose{random.rotation(), static_cast<float>(random.uniform(0, 0.7)) * random.direction()};
@@ -265,9 +265,9 @@ TEST(Containment, OfASmallBodyInABigOneInBothOrders) {
 }
 
 TEST(Containment, IsAskedOfEachPiece) {
-    const Body block(scenes::box({0.3F, 0.3F, 0.3F}, 2));
+    const JudgedBody block(scenes::box({0.3F, 0.3F, 0.3F}, 2));
     const auto satellite = scenes::merged(scenes::sphere(0.05F, 2), scenes::sphere(0.05F, 2), {0.25F, 0, 0});
-    const Body two(satellite);
+    const JudgedBody two(satellite);
     ASSERT_EQ(two.model.report.pieces, 2U);
     std::vector<SurfaceContact> out;
     for (const float x : {0.15F, -0.4F, 0.0F}) {
@@ -280,9 +280,9 @@ TEST(Containment, IsAskedOfEachPiece) {
 }
 
 TEST(Containment, NotOfBodiesInHollowsOrBesideNorInSheets) {
-    const Body cup(scenes::cup(0.5F, 0.05F, 0.8F, 40, 10));
-    const Body ball(scenes::sphere(0.2F, 4));
-    const Body sheet(scenes::grid(2, 2, 4, 4));
+    const JudgedBody cup(scenes::cup(0.5F, 0.05F, 0.8F, 40, 10));
+    const JudgedBody ball(scenes::sphere(0.2F, 4));
+    const JudgedBody sheet(scenes::grid(2, 2, 4, 4));
     const Vector3f middle = 0.5F * (cup.model.tree.lower + cup.model.tree.upper);
     std::vector<SurfaceContact> out;
     containmentContacts(cup.model, ball.model, {Eigen::Matrix3f::Identity(), middle}, out);

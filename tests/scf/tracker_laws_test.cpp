@@ -15,7 +15,7 @@ namespace grapeshot::test {
 namespace {
 
 template <class Value>
-void append(std::vector<std::byte>& bytes, const Value& value) {
+void addBytes(std::vector<std::byte>& bytes, const Value& value) {
     const auto* from = reinterpret_cast<const std::byte*>(&value);
     bytes.insert(bytes.end(), from, from + sizeof value);
 }
@@ -24,30 +24,30 @@ void append(std::vector<std::byte>& bytes, const Value& value) {
 std::vector<std::byte> bytesOf(const TrackResult& result) {
     std::vector<std::byte> bytes;
     for (const TrackedContact& contact : result.contacts) {
-        append(bytes, contact.pair);
+        addBytes(bytes, contact.pair);
         for (int axis = 0; axis < 3; ++axis) {
-            append(bytes, contact.onA[axis]);
-            append(bytes, contact.onB[axis]);
-            append(bytes, contact.normal[axis]);
+            addBytes(bytes, contact.onA[axis]);
+            addBytes(bytes, contact.onB[axis]);
+            addBytes(bytes, contact.normal[axis]);
         }
-        append(bytes, contact.signedDistance);
-        append(bytes, contact.featureA);
-        append(bytes, contact.featureB);
-        append(bytes, contact.overlapping);
-        append(bytes, contact.age);
+        addBytes(bytes, contact.signedDistance);
+        addBytes(bytes, contact.featureA);
+        addBytes(bytes, contact.featureB);
+        addBytes(bytes, contact.overlapping);
+        addBytes(bytes, contact.age);
     }
-    append(bytes, result.certain);
-    append(bytes, result.stop);
-    append(bytes, result.work);
-    append(bytes, result.miss.candidates);
-    append(bytes, result.miss.sampled);
-    append(bytes, result.miss.hits);
-    append(bytes, result.miss.open);
-    append(bytes, result.miss.missed);
-    append(bytes, result.miss.missedBound);
-    append(bytes, result.miss.unseenBound);
-    append(bytes, result.tracked);
-    append(bytes, result.dives);
+    addBytes(bytes, result.certain);
+    addBytes(bytes, result.stop);
+    addBytes(bytes, result.work);
+    addBytes(bytes, result.miss.candidates);
+    addBytes(bytes, result.miss.sampled);
+    addBytes(bytes, result.miss.hits);
+    addBytes(bytes, result.miss.open);
+    addBytes(bytes, result.miss.missed);
+    addBytes(bytes, result.miss.missedBound);
+    addBytes(bytes, result.miss.unseenBound);
+    addBytes(bytes, result.tracked);
+    addBytes(bytes, result.dives);
     return bytes;
 }
 

@@ -15,7 +15,7 @@
 namespace grapeshot::test {
 namespace {
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float noNumber = std::numeric_limits<float>::quiet_NaN();
 
 scenes::Mesh fourOnOneEdge() {
     scenes::Mesh mesh{{{0, 0, 0}, {1, 0, 0}}, {}};
@@ -129,20 +129,20 @@ TEST(OddInput, IsNamedAndLeavesTheTrackerAsItWas) {
     SurfaceState bent = where.stateA();
     bent.pose = Pose{2 * Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero()};
     expectRefused(tracker, bent, where.stateB(), settings, Fault::notRigid);
-    bent.pose = Pose{Eigen::Matrix3f::Identity(), {0, nan, 0}};
+    bent.pose = Pose{Eigen::Matrix3f::Identity(), {0, noNumber, 0}};
     expectRefused(tracker, bent, where.stateB(), settings, Fault::notRigid);
 
     for (const auto& spoil : std::vector<void (*)(TrackSettings&)>{
-             [](TrackSettings& s) { s.maxDistance = -1; }, [](TrackSettings& s) { s.maxDistance = nan; },
-             [](TrackSettings& s) { s.spacing = 0; }, [](TrackSettings& s) { s.spacing = nan; },
-             [](TrackSettings& s) { s.followDistance = -1; }, [](TrackSettings& s) { s.exclusion = nan; },
+             [](TrackSettings& s) { s.maxDistance = -1; }, [](TrackSettings& s) { s.maxDistance = noNumber; },
+             [](TrackSettings& s) { s.spacing = 0; }, [](TrackSettings& s) { s.spacing = noNumber; },
+             [](TrackSettings& s) { s.followDistance = -1; }, [](TrackSettings& s) { s.exclusion = noNumber; },
              [](TrackSettings& s) { s.frontCells = 15; }, [](TrackSettings& s) { s.frontCells = 4097; },
              [](TrackSettings& s) { s.auditShare = 1.1F; }}) {
         TrackSettings bad = settings;
         spoil(bad);
         expectRefused(tracker, where.stateA(), where.stateB(), bad, Fault::badSetting);
     }
-    for (const float bound : {0.0F, -1.0F, nan, std::numeric_limits<float>::infinity()}) {
+    for (const float bound : {0.0F, -1.0F, noNumber, std::numeric_limits<float>::infinity()}) {
         expectRefused(tracker, where.stateA(Stretch::given(bound)), where.stateB(), settings, Fault::badSetting);
     }
 }
@@ -157,14 +157,14 @@ TEST(OddInput, PositionsThatAreNoNumbers) {
         ASSERT_FALSE(before.contacts.empty());
         TwoBumpy::Frame broken = sound;
         // A corner in contact, which every way of looking reads.
-        broken.a[scene.meshA.triangles[before.contacts[0].pair.triangleA][0]][1] = nan;
+        broken.a[scene.meshA.triangles[before.contacts[0].pair.triangleA][0]][1] = noNumber;
         for (const Stretch& stretch : {Stretch::given(3), Stretch::measured(), Stretch::refitted()}) {
             expectRefused(tracker, broken.stateA(stretch), broken.stateB(), settings, Fault::notFinite);
         }
         EXPECT_EQ(tracker.step(sound.stateA(), sound.stateB(), settings).fault, std::nullopt);
     }
     // All of them: whatever is looked at first.
-    std::vector<Eigen::Vector3f> nothing(sound.a.size(), Eigen::Vector3f::Constant(nan));
+    std::vector<Eigen::Vector3f> nothing(sound.a.size(), Eigen::Vector3f::Constant(noNumber));
     Tracker tracker(scene.a, scene.b);
     for (const Stretch& stretch : {Stretch::given(3), Stretch::measured(), Stretch::refitted()}) {
         expectRefused(tracker, {nothing, {}, stretch, {}}, sound.stateB(), TwoBumpy::settings(TrackMode::budget),
