@@ -29,25 +29,25 @@ struct Penetration {
 };
 constexpr Penetration penetrations[] = {{"1.5 %", -0.015}, {"5 %", -0.05}};
 
-struct Measured {
+struct MeasuredContacts {
     std::string name;
     std::uint64_t budget = 0;
     std::size_t triangles = 0;
     double us = 0;
     double position = 0, normal = 0, recall = 0;  ///< 90th percentiles; percent
-    [[nodiscard]] bool isAsGoodAs(const Measured& other) const {
+    [[nodiscard]] bool isAsGoodAs(const MeasuredContacts& other) const {
         return position <= other.position && normal <= other.normal && recall >= other.recall;
     }
 };
 
 /// How many times as fast as the fastest mesh that is as good in all three: a decimated one, or the mesh itself. 0 if
 /// it found nothing, which is no merit.
-double againstDecimated(const Measured& method, const std::vector<Measured>& all) {
+double againstDecimated(const MeasuredContacts& method, const std::vector<MeasuredContacts>& all) {
     if (std::isnan(method.position)) {
         return 0;
     }
     double fastest = std::numeric_limits<double>::infinity();
-    for (const Measured& one : all) {
+    for (const MeasuredContacts& one : all) {
         if ((one.triangles > 0 || one.budget == unlimited) && one.isAsGoodAs(method)) {
             fastest = std::min(fastest, one.us);
         }
@@ -115,7 +115,7 @@ void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration&
         contenders.push_back(contender(method, poses));
     }
     const std::vector<Times> times = interleaved(contenders, poses.size(), sizes.repetitions);
-    std::vector<Measured> measuredOnes;
+    std::vector<MeasuredContacts> measuredOnes;
     for (std::size_t m = 0; m < all.size(); ++m) {
         RegionScore scored(contactRegions, meshSize);
         double work = 0;
@@ -154,7 +154,7 @@ void runPoses(const NamedMesh& named, const MeshModel& model, const Penetration&
     if (!options.plotFolder.empty()) {
         std::vector<ContactCurve> curves{
             {"estimate", {}, {}, {}, {}}, {"decimated", {}, {}, {}, {}}, {"exact stopped", {}, {}, {}, {}}};
-        for (const Measured& one : measuredOnes) {
+        for (const MeasuredContacts& one : measuredOnes) {
             for (ContactCurve& curve : curves) {
                 if (one.name.starts_with(curve.name)) {
                     curve.add(one.us, one.position, one.normal, one.recall);

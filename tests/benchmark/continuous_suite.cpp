@@ -27,7 +27,7 @@ namespace {
 constexpr float tolerance = 1e-6F;  // m, of scenes of diagonal 1
 
 /// What one method says of a list of events.
-struct Answers {
+struct ImpactAnswers {
     std::string name;
     std::vector<double> us, work;
     std::size_t misses = 0, falseHits = 0, late = 0, uncertain = 0;
@@ -44,7 +44,7 @@ struct Answers {
     }
 };
 
-double meanOf(const std::vector<double>& values) {
+double meanOrNone(const std::vector<double>& values) {
     double sum = 0;
     for (const double value : values) {
         sum += value;
@@ -52,8 +52,8 @@ double meanOf(const std::vector<double>& values) {
     return values.empty() ? report::notApplicable : sum / static_cast<double>(values.size());
 }
 
-report::Row rowOf(const std::string& scenario, const std::string& mesh, std::size_t triangles, const Answers& answers,
-                  const Answers& peer, std::size_t colliding) {
+report::Row rowOf(const std::string& scenario, const std::string& mesh, std::size_t triangles,
+                  const ImpactAnswers& answers, const ImpactAnswers& peer, std::size_t colliding) {
     report::Row row;
     row.scenario = scenario;
     row.mesh = mesh;
@@ -65,10 +65,10 @@ report::Row rowOf(const std::string& scenario, const std::string& mesh, std::siz
     row.falsePositives = static_cast<double>(answers.falseHits);
     row.colliding = static_cast<double>(colliding);
     row.timeUs = report::quantiles(answers.us);
-    row.timeUs.mean = meanOf(answers.us);
-    row.ratio = meanOf(peer.us) / row.timeUs.mean;
+    row.timeUs.mean = meanOrNone(answers.us);
+    row.ratio = meanOrNone(peer.us) / row.timeUs.mean;
     if (!answers.work.empty()) {
-        row.work = {{"mean", meanOf(answers.work)},
+        row.work = {{"mean", meanOrNone(answers.work)},
                     {"p99", report::quantile(answers.work, 0.99)},
                     {"max", *std::ranges::max_element(answers.work)}};
     }
@@ -80,14 +80,14 @@ report::Row rowOf(const std::string& scenario, const std::string& mesh, std::siz
 }
 
 template <class Call>
-auto timed(Answers& answers, Call&& call) {
+auto timed(ImpactAnswers& answers, Call&& call) {
     const double begin = report::threadCpuUs();
     auto result = call();
     answers.us.push_back(report::threadCpuUs() - begin);
     return result;
 }
 
-void ask(Answers& answers, ImpactQuery& query, const SurfaceMotion& a, const SurfaceMotion& b,
+void ask(ImpactAnswers& answers, ImpactQuery& query, const SurfaceMotion& a, const SurfaceMotion& b,
          const ImpactSettings& settings, std::uint64_t work, double truth, double allowed) {
     const ImpactResult result = timed(answers, [&] { return query.find(a, b, settings, {.work = work}); });
     answers.work.push_back(static_cast<double>(result.work));
@@ -114,8 +114,8 @@ std::vector<Eigen::Vector3f> between(const std::vector<Eigen::Vector3f>& before,
 }
 
 /// Do they overlap at one of so many moments? What making the positions takes is not timed.
-std::optional<double> bySubsteps(Answers& answers, Tracker& tracker, const TunnelEvent& event, const Stretch& stretch,
-                                 int substeps) {
+std::optional<double> bySubsteps(ImpactAnswers& answers, Tracker& tracker, const TunnelEvent& event,
+                                 const Stretch& stretch, int substeps) {
     TrackSettings settings;
     settings.mode = TrackMode::exact;
     settings.maxDistance = tolerance;
@@ -145,8 +145,8 @@ std::string labelled(const char* what, float number) {
     return text.str();
 }
 
-Answers named(std::string name, bool hasTime = true) {
-    Answers answers;
+ImpactAnswers named(std::string name, bool hasTime = true) {
+    ImpactAnswers answers;
     answers.name = std::move(name);
     answers.hasTime = hasTime;
     return answers;
@@ -174,15 +174,15 @@ void addNeedle(const Options& options, report::Report& results) {
         const float speed = speeds[s];
         std::cerr << "needle at " << speed << " ...\n";
         const double allowed = std::max(1e-3, 1e-5 / static_cast<double>(speed));
-        Answers exact = named("by time, bound given");
-        Answers measured = named("by time, bound measured");
-        std::vector<std::pair<Answers, std::pair<std::uint64_t, float>>> budgets;
+        ImpactAnswers exact = named("by time, bound given");
+        ImpactAnswers measured = named("by time, bound measured");
+        std::vector<std::pair<ImpactAnswers, std::pair<std::uint64_t, float>>> budgets;
         for (const std::uint64_t work : {32U, 64U, 128U, 256U}) {
             budgets.push_back({named(std::to_string(work) + " units"), {work, 0.25F}});
             budgets.push_back({named(std::to_string(work) + " units, no dives"), {work, 0}});
         }
-        Answers once = named("at the end only", false);
-        Answers often = named("16 substeps", false);
+        ImpactAnswers once = named("at the end only", false);
+        ImpactAnswers often = named("16 substeps", false);
         std::size_t colliding = 0;
         const auto share = static_cast<int>(s);
         const int count = (events + static_cast<int>(speeds.size()) - 1 - share) / static_cast<int>(speeds.size());
@@ -218,7 +218,7 @@ void addNeedle(const Options& options, report::Report& results) {
         timesOff += exact.late;
         discreteMisses += once.misses;
         const std::string name = labelled("speed", speed);
-        const auto add = [&](const Answers& answers) {
+        const auto add = [&](const ImpactAnswers& answers) {
             results.rows.push_back(rowOf("needle", name, triangles, answers, often, colliding));
         };
         add(exact);
@@ -253,9 +253,9 @@ void addRigid(const Options& options, report::Report& results) {
     for (const float speed : {0.05F, 0.3F, 1.0F}) {
         std::cerr << "rigid needle at " << speed << " ...\n";
         const double allowed = std::max(1e-3, 1e-5 / static_cast<double>(speed));
-        Answers ours = named("by time");
-        Answers fcl = named("FCL conservative advancement");
-        Answers steps = named("FCL 1000 substeps");
+        ImpactAnswers ours = named("by time");
+        ImpactAnswers fcl = named("FCL conservative advancement");
+        ImpactAnswers steps = named("FCL 1000 substeps");
         std::size_t colliding = 0;
         for (int i = 0; i < events; ++i) {
             const TunnelEvent event = scene.event(speed, true, random);
@@ -287,7 +287,7 @@ void addRigid(const Options& options, report::Report& results) {
         results.rows.push_back(rowOf("rigid needle", name, triangles, steps, fcl, colliding));
         if (!options.quick) {
             results.claims.push_back(
-                {"rigid needle, " + name + ": FCL / ours", meanOf(fcl.us) / meanOf(ours.us), true, 1});
+                {"rigid needle, " + name + ": FCL / ours", meanOrNone(fcl.us) / meanOrNone(ours.us), true, 1});
         }
     }
 }
@@ -311,9 +311,9 @@ void addTurning(const Options& options, report::Report& results) {
     exactly.estimateSteps = 0;
     for (const float turn : {0.1F, 1.0F, 3.0F}) {
         std::cerr << "turning by " << turn << " ...\n";
-        Answers ours = named("by time");
-        Answers fcl = named("FCL conservative advancement");
-        Answers steps = named("FCL 1000 substeps");
+        ImpactAnswers ours = named("by time");
+        ImpactAnswers fcl = named("FCL conservative advancement");
+        ImpactAnswers steps = named("FCL 1000 substeps");
         std::size_t colliding = 0;
         std::size_t notFree = 0;
         std::size_t notThere = 0;
@@ -362,7 +362,8 @@ void addTurning(const Options& options, report::Report& results) {
         claim("overlaps at one of 1000 moments said to be free", notFree);
         claim("impacts without contact there", notThere);
         if (!options.quick) {
-            results.claims.push_back({"turning, " + name + ": FCL / ours", meanOf(fcl.us) / meanOf(ours.us), true, 1});
+            results.claims.push_back(
+                {"turning, " + name + ": FCL / ours", meanOrNone(fcl.us) / meanOrNone(ours.us), true, 1});
         }
     }
 }
@@ -374,8 +375,8 @@ void addDeforming(const Options& options, report::Report& results) {
     const BallTree treeA = buildBallTree(scene.a.view());
     const BallTree treeB = buildBallTree(scene.b.view());
     ImpactQuery query(treeA, treeB);
-    Answers exact = named("by time, bound measured");
-    Answers budget = named("256 units");
+    ImpactAnswers exact = named("by time, bound measured");
+    ImpactAnswers budget = named("256 units");
     std::size_t colliding = 0;
     for (int frame = 0; frame + 1 < frames; ++frame) {
         const TrackingFrame before = twoBodiesAt(scene, 0.12F, frame, frames);

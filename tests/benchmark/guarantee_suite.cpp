@@ -9,6 +9,7 @@
 #include <support/poses.hpp>
 
 #include <report/machine.hpp>
+#include "comparison.hpp"
 #include "guarantee_audit.hpp"
 #include "guarantee_meshes.hpp"
 
@@ -143,12 +144,6 @@ report::Row runMesh(const NamedMesh& named, const Options& options, int testPose
                     {"calibrationFalseAlarms", static_cast<double>(certificate.falseAlarms)},
                     {"certifiedInMs", certifiedIn * 1e-3}};
     return row;
-}
-
-double measured(const report::Row& row, const std::string& name) {
-    const auto found = std::find_if(row.measured.begin(), row.measured.end(),
-                                    [&name](const auto& entry) { return entry.first == name; });
-    return found->second;
 }
 
 void certify(const Options& options, const std::vector<NamedMesh>& meshes, report::Report& results) {

@@ -17,7 +17,7 @@ scenes::Colour grey(std::size_t index) {
     return scenes::Colour::Constant(0.25F + 0.22F * static_cast<float>(index));
 }
 
-constexpr std::array<std::array<const char*, 3>, 3> shown{
+constexpr std::array<std::array<const char*, 3>, 3> shownCurves{
     {{"car", "28167", "DOP28167"}, {"lock", "62023", "DOP62023"}, {"pipes", "9814", "DOP9814"}}};
 
 Line publishedLine(const PublishedCurve& curve, const std::string& label, std::size_t index, double factor = 1) {
@@ -42,8 +42,8 @@ void drawPaperPlots(const std::vector<MeasuredCurves>& measured, const std::vect
     scenes::Plot error{"Wrong answers: published (grey) and here", x, "% of queries with overlapping boxes", false, {}};
     scenes::Plot time{"Time of a query: published (grey) and here", x, "us (published: hardware of 2003)", true, {}};
     scenes::Plot ratio{"Exact DOP-tree / ADB-tree, time: published (grey) and here", x, "ratio", true, {}};
-    for (std::size_t i = 0; i < shown.size(); ++i) {
-        const auto& [model, adb, dop] = shown[i];
+    for (std::size_t i = 0; i < shownCurves.size(); ++i) {
+        const auto& [model, adb, dop] = shownCurves[i];
         const PublishedCurve& adbTime = find(published, "fig12_time_ms", model, adb);
         const PublishedCurve& dopTime = find(published, "fig12_time_ms", model, dop);
         error.lines.push_back(publishedLine(find(published, "fig13_error_pct", model, adb), model, i));

@@ -186,7 +186,7 @@ report::Report runPaperSuite(const Options& options) {
     for (NamedMesh& shape : fittedShapes(quick)) {
         fitted.push_back(paperModel(std::move(shape)));
     }
-    const Surface surface = measureSurface(fitted, coarse, quick);
+    const PaperSurface surface = measureSurface(fitted, coarse, quick);
     const Point& point = surface.accurate;
     for (const Point& fit : {surface.accurate, surface.fast}) {
         std::cerr << "fitted: tau " << fit.fill.tau << ", grid " << fit.fill.grid << ", pMin " << fit.pMin << "\n";

@@ -77,13 +77,13 @@ reference::Settings paperSettings(double pMin) {
     return settings;
 }
 
-Surface measureSurface(const std::vector<PaperModel>& models, const Turns& turns, bool quick) {
+PaperSurface measureSurface(const std::vector<PaperModel>& models, const Turns& turns, bool quick) {
     const std::vector<int> grids = quick ? std::vector{4} : std::vector{2, 3, 4, 6, 8};
     const std::vector<double> taus =
         quick ? std::vector{0.3, 1.0} : std::vector{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 1.0};
     const std::vector<double> pMins =
         quick ? std::vector{0.5, 0.8} : std::vector{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 0.99};
-    Surface surface;
+    PaperSurface surface;
     std::map<Key, Grade> grades;
     for (const PaperModel& model : models) {
         std::cerr << model.name << ": surface ...\n";

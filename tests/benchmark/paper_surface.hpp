@@ -19,7 +19,7 @@ struct Point {
 /// the exact answer does, and is answered "no".
 [[nodiscard]] reference::Settings paperSettings(double pMin);
 
-struct Surface {
+struct PaperSurface {
     std::vector<report::Row> rows;  ///< a row per model and point
     Point accurate;                 ///< least error among the points that are faster than the exact DOP-tree
     bool fasterThanExact = false;   ///< or simply the least error of all
@@ -28,7 +28,7 @@ struct Surface {
 
 /// Measures every point on every model. Errors are means over the distances, of the worse model; faster is by counted
 /// cost, on each of them.
-[[nodiscard]] Surface measureSurface(const std::vector<PaperModel>& models, const Turns& turns, bool quick);
+[[nodiscard]] PaperSurface measureSurface(const std::vector<PaperModel>& models, const Turns& turns, bool quick);
 
 /// Parameters of a point, for rows.
 [[nodiscard]] report::NamedNumbers parameters(const Point& point, int kMin);

@@ -18,14 +18,14 @@ namespace {
 constexpr int blockSize = 100;
 constexpr int framesPerPass = 100;  // the bodies meet and part again and again
 
-struct Tally {
+struct BoundTally {
     std::vector<double> heldPerBlock, widths;
     double estimates = 0, truths = 0, certain = 0, wrongCertificates = 0, unbounded = 0, open = 0;
     int frames = 0;
 };
 
 /// Of every `forgetEvery`th step on, the tracker begins anew: then there is much to miss.
-Tally tallyOf(std::uint64_t seed, int frames, std::uint64_t work, int forgetEvery) {
+BoundTally tallyOf(std::uint64_t seed, int frames, std::uint64_t work, int forgetEvery) {
     const TrackingScene scene = twoBodies("bound", 16, static_cast<std::uint32_t>(seed % 1'000'003));
     const BallTree a = buildBallTree(scene.a.view());
     const BallTree b = buildBallTree(scene.b.view());
@@ -41,7 +41,7 @@ Tally tallyOf(std::uint64_t seed, int frames, std::uint64_t work, int forgetEver
     const detail::Cells cellsB = detail::cellsOfCount(b, settings.frontCells);
     Tracker exact(a, b);
     Tracker tracker(a, b);
-    Tally tally;
+    BoundTally tally;
     double held = 0;
     TrackResult truth;
     TrackResult result;
@@ -95,7 +95,7 @@ void addBoundRows(std::uint64_t seed, int frames, report::Report& results) {
     };
     for (const Case& one : {Case{"bound, cold", 1'200, 1}, Case{"bound, tracked", 1'200, 1 << 30},
                             Case{"bound, ample budget", 6'000, 1 << 30}}) {
-        const Tally tally = tallyOf(seed, frames, one.work, one.forgetEvery);
+        const BoundTally tally = tallyOf(seed, frames, one.work, one.forgetEvery);
         double mean = 0;
         for (const double held : tally.heldPerBlock) {
             mean += held / static_cast<double>(tally.heldPerBlock.size());
