@@ -23,20 +23,10 @@ void mix(std::span<const Eigen::Vector3f> before, std::span<const Eigen::Vector3
 }  // namespace
 
 MovingTree::MovingTree(const BallTree& tree)
-    : m_before(tree),
-      m_now(tree),
-      m_nodeStamp(tree.nodes.size(), 0),
-      m_leafStamp(tree.leaves.size(), 0),
-      m_leafSlot(tree.leaves.size(), 0),
-      m_balls(tree.nodes.size()) {}
+    : m_before(tree), m_now(tree), m_made(tree.nodes.size(), tree.leaves.size()) {}
 
 void MovingTree::begin(const SurfaceMotion& motion, float stretch, const StepPart& part) {
-    if (++m_step == 0) {  // after 2^32 parts
-        std::fill(m_nodeStamp.begin(), m_nodeStamp.end(), 0);
-        std::fill(m_leafStamp.begin(), m_leafStamp.end(), 0);
-        m_step = 1;
-    }
-    m_usedLeaves = 0;
+    m_made.begin();
     m_frame = motion.frame;
     m_part = part;
     m_turns = !motion.frame.turn.isZero(0);
@@ -77,12 +67,10 @@ float MovingTree::bulge(std::uint32_t vertex) const {
     return static_cast<float>(acceleration(vertex) * 0.125);
 }
 
-void MovingTree::makeBalls(std::uint32_t index) {
+void MovingTree::makeBalls(std::uint32_t index, SweptBalls& balls) {
     const BallNode& node = tree().nodes[index];
     const FourBalls& before = m_before.balls(index);
     const FourBalls& now = m_now.balls(index);
-    SweptBalls& balls = m_balls[index];
-    m_nodeStamp[index] = m_step;
     for (std::uint32_t slot = 0; slot < 4; ++slot) {
         for (int axis = 0; axis < 3; ++axis) {
             balls.center[axis][slot] = before.center[axis][slot];
@@ -111,18 +99,6 @@ SweptBall MovingTree::ballOf(std::uint32_t leaf) {
     return {{balls.center[0][0], balls.center[1][0], balls.center[2][0]},
             {balls.path[0][0], balls.path[1][0], balls.path[2][0]},
             balls.radius[0]};
-}
-
-const SweptLeaf& MovingTree::leaf(std::uint32_t index) {
-    if (m_leafStamp[index] != m_step) {
-        m_leafStamp[index] = m_step;
-        m_leafSlot[index] = static_cast<std::uint32_t>(m_usedLeaves);
-        if (m_usedLeaves == m_leaves.size()) {
-            m_leaves.emplace_back();
-        }
-        makeLeaf(index, m_leaves[m_usedLeaves++]);
-    }
-    return m_leaves[m_leafSlot[index]];
 }
 
 void MovingTree::makeLeaf(std::uint32_t index, SweptLeaf& leaf) {

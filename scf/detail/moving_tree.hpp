@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -43,14 +42,13 @@ class MovingTree {
     [[nodiscard]] const BallNode& node(std::uint32_t index) const { return tree().nodes[index]; }
     /// Of the children of a node.
     [[nodiscard]] const SweptBalls& balls(std::uint32_t node) {
-        if (m_nodeStamp[node] != m_step) {
-            makeBalls(node);
-        }
-        return m_balls[node];
+        return m_made.balls(node, [&](SweptBalls& balls) { makeBalls(node, balls); });
     }
     void putBall(BallRef ref, SweptBalls& balls, int slot);
     [[nodiscard]] SweptBall ballOf(std::uint32_t leaf);
-    [[nodiscard]] const SweptLeaf& leaf(std::uint32_t index);
+    [[nodiscard]] const SweptLeaf& leaf(std::uint32_t index) {
+        return m_made.leaf(index, [&](SweptLeaf& leaf) { makeLeaf(index, leaf); });
+    }
 
     [[nodiscard]] bool turns() const { return m_turns; }
     /// Corners of a leaf's triangles at both ends of the part.
@@ -61,7 +59,7 @@ class MovingTree {
     [[nodiscard]] bool isFinite() const { return m_before.isFinite() && m_now.isFinite(); }
 
   private:
-    void makeBalls(std::uint32_t node);
+    void makeBalls(std::uint32_t node, SweptBalls& balls);
     void makeLeaf(std::uint32_t index, SweptLeaf& leaf);
     /// How far the path of a vertex is from its chord, at most; m.
     [[nodiscard]] float bulge(std::uint32_t vertex) const;
@@ -78,11 +76,7 @@ class MovingTree {
     StepPart m_part;
     double m_angle = 0;  ///< rad per part
     bool m_turns = false;
-    std::uint32_t m_step = 0;
-    std::vector<std::uint32_t> m_nodeStamp, m_leafStamp, m_leafSlot;
-    std::vector<SweptBalls> m_balls;
-    std::deque<SweptLeaf> m_leaves;  ///< of this part, in the order in which they were asked for
-    std::size_t m_usedLeaves = 0;
+    PiecesOfStep<SweptBalls, SweptLeaf> m_made;
 };
 
 }  // namespace grapeshot::detail

@@ -17,12 +17,7 @@ float farthest(const Eigen::Vector3f& point) {
 
 }  // namespace
 
-PosedTree::PosedTree(const BallTree& tree)
-    : m_tree(&tree),
-      m_nodeStamp(tree.nodes.size(), 0),
-      m_leafStamp(tree.leaves.size(), 0),
-      m_leafSlot(tree.leaves.size(), 0),
-      m_balls(tree.nodes.size()) {}
+PosedTree::PosedTree(const BallTree& tree) : m_tree(&tree), m_made(tree.nodes.size(), tree.leaves.size()) {}
 
 void PosedTree::begin(std::span<const Eigen::Vector3f> positions, const Pose* pose, float stretch) {
     m_positions = positions;
@@ -36,17 +31,12 @@ void PosedTree::begin(std::span<const Eigen::Vector3f> positions, const Pose* po
         }
         m_farthest = farthest(pose->translation);
     }
-    if (++m_step == 0) {  // after 2^32 steps
-        std::fill(m_nodeStamp.begin(), m_nodeStamp.end(), 0);
-        std::fill(m_leafStamp.begin(), m_leafStamp.end(), 0);
-        m_step = 1;
-    }
-    m_usedLeaves = 0;
+    m_made.begin();
     m_finite = true;
     m_stretch = stretch;
     if (!(stretch > 0)) {
         for (std::uint32_t node = static_cast<std::uint32_t>(m_tree->nodes.size()); node-- > 0;) {
-            makeBalls(node);  // children stand after their parents
+            static_cast<void>(balls(node));  // children stand after their parents
         }
     }
 }
@@ -91,10 +81,8 @@ float PosedTree::radiusOf(BallRef child, std::uint32_t center, float restRadius)
     return m_isPosed ? radius * posedRounding + 1e-6F * (farthest(middle) + m_farthest) : radius * rounding;
 }
 
-void PosedTree::makeBalls(std::uint32_t index) {
+void PosedTree::makeBalls(std::uint32_t index, FourBalls& balls) {
     const BallNode& node = m_tree->nodes[index];
-    FourBalls& balls = m_balls[index];
-    m_nodeStamp[index] = m_step;
     for (std::uint32_t slot = 0; slot < 4; ++slot) {
         const bool used = slot < node.count;
         const Eigen::Vector3f middle = point(node.center[used ? slot : 0]);
@@ -114,18 +102,6 @@ void PosedTree::putBall(BallRef ref, FourBalls& balls, int slot) {
         balls.center[axis][slot] = middle[axis];
     }
     balls.radius[slot] = radiusOf(ref, own.center, own.radius);
-}
-
-const PosedLeaf& PosedTree::leaf(std::uint32_t index) {
-    if (m_leafStamp[index] != m_step) {
-        m_leafStamp[index] = m_step;
-        m_leafSlot[index] = static_cast<std::uint32_t>(m_usedLeaves);
-        if (m_usedLeaves == m_leaves.size()) {
-            m_leaves.emplace_back();
-        }
-        makeLeaf(index, m_leaves[m_usedLeaves++]);
-    }
-    return m_leaves[m_leafSlot[index]];
 }
 
 void PosedTree::makeLeaf(std::uint32_t index, PosedLeaf& posed) {

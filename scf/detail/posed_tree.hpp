@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <span>
-#include <vector>
 
 #include <grapeshot/core/pose.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
 #include <grapeshot/scf/detail/ball_kernels.hpp>
+#include <grapeshot/scf/detail/pieces_of_step.hpp>
 
 namespace grapeshot::detail {
 
@@ -26,14 +25,13 @@ class PosedTree {
     [[nodiscard]] const BallNode& node(std::uint32_t index) const { return m_tree->nodes[index]; }
     /// Of the children of a node.
     [[nodiscard]] const FourBalls& balls(std::uint32_t node) {
-        if (m_nodeStamp[node] != m_step) {
-            makeBalls(node);
-        }
-        return m_balls[node];
+        return m_made.balls(node, [&](FourBalls& balls) { makeBalls(node, balls); });
     }
     /// Puts the ball of a piece by itself, not the root, into a slot.
     void putBall(BallRef ref, FourBalls& balls, int slot);
-    [[nodiscard]] const PosedLeaf& leaf(std::uint32_t index);
+    [[nodiscard]] const PosedLeaf& leaf(std::uint32_t index) {
+        return m_made.leaf(index, [&](PosedLeaf& leaf) { makeLeaf(index, leaf); });
+    }
     [[nodiscard]] Eigen::Vector3f point(std::uint32_t vertex) const {
         const Eigen::Vector3f& p = m_positions[vertex];
         return m_isPosed ? moved(p) : p;
@@ -45,7 +43,7 @@ class PosedTree {
 
   private:
     [[nodiscard]] Eigen::Vector3f moved(const Eigen::Vector3f& p) const;
-    void makeBalls(std::uint32_t node);
+    void makeBalls(std::uint32_t node, FourBalls& balls);
     void makeLeaf(std::uint32_t index, PosedLeaf& leaf);
     [[nodiscard]] float radiusOf(BallRef child, std::uint32_t center, float restRadius);
     [[nodiscard]] float radiusFromVertices(std::uint32_t leaf, const Eigen::Vector3f& center);
@@ -62,11 +60,7 @@ class PosedTree {
     float m_stretch = 1;
     float m_farthest = 0;  ///< coordinate of the translation, m
     bool m_finite = true;
-    std::uint32_t m_step = 0;
-    std::vector<std::uint32_t> m_nodeStamp, m_leafStamp, m_leafSlot;
-    std::vector<FourBalls> m_balls;
-    std::deque<PosedLeaf> m_leaves;  ///< of this step, in the order in which they were asked for
-    std::size_t m_usedLeaves = 0;
+    PiecesOfStep<FourBalls, PosedLeaf> m_made;
 };
 
 }  // namespace grapeshot::detail
