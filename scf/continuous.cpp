@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <grapeshot/scf/detail/impact_search.hpp>
+#include <grapeshot/scf/detail/surface_input.hpp>
 
 namespace grapeshot {
 namespace {
@@ -24,19 +25,8 @@ bool isUsable(const ImpactSettings& s) {
            std::isfinite(s.exclusion) && s.exclusion >= 0 && isShare(s.diveShare) && isShare(s.auditShare);
 }
 
-bool isUsable(const Stretch& s) {
-    return s.source >= Stretch::Source::given && s.source <= Stretch::Source::refitted &&
-           (s.source == Stretch::Source::refitted || (std::isfinite(s.bound) && s.bound > 0));
-}
-
 std::optional<Fault> faultIn(const SurfaceMotion& motion, const Surface& surface) {
-    for (const auto& positions : {motion.before, motion.now}) {
-        if (!positions.empty() && positions.size() != surface.rest.size()) {
-            return Fault::topologyChanged;
-        }
-    }
-    if (!motion.triangles.empty() &&
-        (motion.triangles.size() != surface.triangles.size() || !(topologyKey(motion.triangles) == surface.topology))) {
+    if (!detail::isOfSurface(surface, {motion.before, motion.now}, motion.triangles)) {
         return Fault::topologyChanged;
     }
     if (!isRigid(motion.frame.from)) {
@@ -45,28 +35,15 @@ std::optional<Fault> faultIn(const SurfaceMotion& motion, const Surface& surface
     if (!motion.frame.path.allFinite() || !motion.frame.turn.allFinite()) {
         return Fault::notFinite;
     }
-    return isUsable(motion.stretch) && motion.frame.turn.norm() <= static_cast<float>(mostParts) * largestTurn
+    return detail::isUsable(motion.stretch) && motion.frame.turn.norm() <= static_cast<float>(mostParts) * largestTurn
                ? std::nullopt
                : std::optional(Fault::badSetting);
 }
 
-/// The bound to make the balls with, 0 if they are to be fitted; NaN if a position is not finite.
 float stretchOf(const SurfaceMotion& motion, const Surface& surface) {
-    if (motion.stretch.source != Stretch::Source::measured) {
-        return motion.stretch.source == Stretch::Source::given ? motion.stretch.bound : 0;
-    }
-    float largest = motion.before.empty() ? 1 : measureStretch(surface, motion.before);
-    if (!motion.now.empty() && motion.now.data() != motion.before.data()) {
-        const float now = measureStretch(surface, motion.now);
-        largest = std::isnan(largest) || std::isnan(now) ? std::nanf("") : std::max(largest, now);
-    }
-    if (std::isnan(largest)) {
-        return largest;
-    }
-    if (largest <= 0) {
-        return 1;  // all edges shrunk to nothing
-    }
-    return largest <= motion.stretch.bound ? largest : 0;
+    // Without positions now they are those before.
+    return motion.now.empty() ? detail::stretchToUse(motion.stretch, surface, {motion.before})
+                              : detail::stretchToUse(motion.stretch, surface, {motion.before, motion.now});
 }
 
 std::uint64_t shareOf(std::uint64_t units, float share) {

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include <grapeshot/scf/detail/surface_input.hpp>
 #include <grapeshot/scf/detail/track_step.hpp>
 #include <grapeshot/scf/detail/tracker_file.hpp>
 
@@ -11,29 +12,20 @@ namespace {
 
 bool isUsable(const TrackSettings& s) {
     return std::isfinite(s.maxDistance) && s.maxDistance >= 0 && std::isfinite(s.spacing) && s.spacing > 0 &&
-           std::isfinite(s.followDistance) && s.followDistance >= 0 && std::isfinite(s.exclusion) &&
-           s.exclusion >= 0 && s.frontCells >= 16 && s.frontCells <= 4096 && s.auditShare >= 0 && s.auditShare <= 1 &&
+           std::isfinite(s.followDistance) && s.followDistance >= 0 && std::isfinite(s.exclusion) && s.exclusion >= 0 &&
+           s.frontCells >= 16 && s.frontCells <= 4096 && s.auditShare >= 0 && s.auditShare <= 1 &&
            s.mode >= TrackMode::exact && s.mode <= TrackMode::budget;
-}
-
-bool isUsable(const Stretch& s) {
-    return s.source >= Stretch::Source::given && s.source <= Stretch::Source::refitted &&
-           (s.source == Stretch::Source::refitted || (std::isfinite(s.bound) && s.bound > 0));
 }
 
 /// What is wrong with the state of one surface, if anything.
 std::optional<Fault> faultIn(const SurfaceState& state, const Surface& surface) {
-    if (!state.positions.empty() && state.positions.size() != surface.rest.size()) {
-        return Fault::topologyChanged;
-    }
-    if (!state.triangles.empty() && (state.triangles.size() != surface.triangles.size() ||
-                                     !(topologyKey(state.triangles) == surface.topology))) {
+    if (!detail::isOfSurface(surface, {state.positions}, state.triangles)) {
         return Fault::topologyChanged;
     }
     if (state.pose && !isRigid(*state.pose)) {
         return Fault::notRigid;
     }
-    return isUsable(state.stretch) ? std::nullopt : std::optional(Fault::badSetting);
+    return detail::isUsable(state.stretch) ? std::nullopt : std::optional(Fault::badSetting);
 }
 
 /// Poses a tree. Returns the stretch it was posed with, 0 if its balls were fitted; or what is wrong.
@@ -44,28 +36,13 @@ struct Posed {
 Posed pose(const SurfaceState& state, detail::PosedTree& tree) {
     const Surface& surface = tree.tree().surface;
     Posed result;
-    const bool atRest = state.positions.empty();
-    const std::span<const Eigen::Vector3f> positions = atRest ? std::span(surface.rest) : state.positions;
-    switch (state.stretch.source) {
-        case Stretch::Source::given:
-            result.stretch = state.stretch.bound;
-            break;
-        case Stretch::Source::measured:
-            result.stretch = atRest ? 1 : measureStretch(surface, positions);
-            if (std::isnan(result.stretch)) {
-                result.fault = Fault::notFinite;
-                return result;
-            }
-            if (!(result.stretch <= state.stretch.bound)) {
-                result.stretch = 0;
-            } else if (result.stretch <= 0) {
-                result.stretch = 1;  // all edges shrunk to nothing
-            }
-            break;
-        case Stretch::Source::refitted:
-            result.stretch = 0;
-            break;
+    result.stretch = detail::stretchToUse(state.stretch, surface, {state.positions});
+    if (std::isnan(result.stretch)) {
+        result.fault = Fault::notFinite;
+        return result;
     }
+    const std::span<const Eigen::Vector3f> positions =
+        state.positions.empty() ? std::span(surface.rest) : state.positions;
     tree.begin(positions, state.pose ? &*state.pose : nullptr, result.stretch);
     return result;
 }
@@ -175,8 +152,7 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
 
 Tracker::Tracker(const BallTree& a, const BallTree& b) : m_state(std::make_unique<State>(a, b)) {}
 Tracker::Tracker(const BallTree& body) : m_state(std::make_unique<State>(body, body)) {}
-Tracker::Tracker(const Tracker& other)
-    : m_state(other.m_state ? std::make_unique<State>(*other.m_state) : nullptr) {}
+Tracker::Tracker(const Tracker& other) : m_state(other.m_state ? std::make_unique<State>(*other.m_state) : nullptr) {}
 Tracker& Tracker::operator=(const Tracker& other) {
     if (this != &other) {
         m_state = other.m_state ? std::make_unique<State>(*other.m_state) : nullptr;
@@ -193,8 +169,7 @@ void Tracker::step(const SurfaceState& a, const SurfaceState& b, const TrackSett
     m_state->step(a, &b, settings, budget, out);
 }
 
-TrackResult Tracker::step(const SurfaceState& a, const SurfaceState& b, const TrackSettings& settings,
-                          Budget budget) {
+TrackResult Tracker::step(const SurfaceState& a, const SurfaceState& b, const TrackSettings& settings, Budget budget) {
     TrackResult out;
     step(a, b, settings, budget, out);
     return out;

@@ -73,11 +73,11 @@ struct SurfaceState {
 /// Everything in the common frame, in metres. Of a body with itself triangleA < triangleB.
 struct TrackedContact {
     TrianglePair pair;
-    Eigen::Vector3f onA = Eigen::Vector3f::Zero();     ///< closest points; the middle of the intersection if overlapping
+    Eigen::Vector3f onA = Eigen::Vector3f::Zero();  ///< closest points; the middle of the intersection if overlapping
     Eigen::Vector3f onB = Eigen::Vector3f::Zero();
     /// Unit, on B pointing to A. Of overlapping triangles B's normal, whichever side A came from.
     Eigen::Vector3f normal = Eigen::Vector3f::UnitY();
-    float signedDistance = 0;  ///< minus the translation that parts the two triangles if overlapping
+    float signedDistance = 0;   ///< minus the translation that parts the two triangles if overlapping
     std::uint8_t featureA = 6;  ///< 0..2 corner, 3..5 edge, 6 face (see DistanceBatch)
     std::uint8_t featureB = 6;
     bool overlapping = false;
@@ -90,21 +90,21 @@ struct TrackResult {
     /// has one listed. As true as a given stretch bound.
     bool certain = false;
     StopReason stop = StopReason::invalidInput;
-    /// With invalidInput: topologyChanged, notFinite, notRigid or badSetting. Nothing is listed then, and the tracker is
-    /// as before the step.
+    /// With invalidInput: topologyChanged, notFinite, notRigid or badSetting. Nothing is listed then, and the tracker
+    /// is as before the step.
     std::optional<Fault> fault;
     std::uint64_t work = 0;
-    MissEstimate miss;           ///< budget mode only
-    float stretchA = 1;          ///< given or measured; 0 where balls were fitted anew
+    MissEstimate miss;   ///< budget mode only
+    float stretchA = 1;  ///< given or measured; 0 where balls were fitted anew
     float stretchB = 1;
-    std::uint32_t carried = 0;   ///< tracked pairs that the budget left untested: kept, not listed
-    std::uint32_t tracked = 0;   ///< pairs that are kept for the next step
-    std::uint32_t dives = 0;     ///< random ones
+    std::uint32_t carried = 0;  ///< tracked pairs that the budget left untested: kept, not listed
+    std::uint32_t tracked = 0;  ///< pairs that are kept for the next step
+    std::uint32_t dives = 0;    ///< random ones
 };
 
-/// A value: a copy goes on by itself, with the same results. Same settings, inputs and work budgets: same bytes, on every
-/// instruction set. The trees must stay where they are. Not for two threads at once. A step does not throw (but for
-/// memory). One that was moved from may only be copied, assigned to or destroyed.
+/// A value: a copy goes on by itself, with the same results. Same settings, inputs and work budgets: same bytes, on
+/// every instruction set. The trees must stay where they are. Not for two threads at once. A step does not throw (but
+/// for memory). One that was moved from may only be copied, assigned to or destroyed.
 class Tracker {
   public:
     Tracker(const BallTree& a, const BallTree& b);
@@ -116,8 +116,8 @@ class Tracker {
     Tracker& operator=(Tracker&&) noexcept;
     ~Tracker();
 
-    /// One step of the scene. The budget counts calls of 16-wide kernels (and looks at up to sixteen neighbours); it may
-    /// be exceeded by at most 40, what two leaves need. Only positions that are read are checked for being finite.
+    /// One step of the scene. The budget counts calls of 16-wide kernels (and looks at up to sixteen neighbours); it
+    /// may be exceeded by at most 40, what two leaves need. Only positions that are read are checked for being finite.
     /// The first step after a change of `spacing` or `frontCells` cuts the surfaces, O(n).
     void step(const SurfaceState& a, const SurfaceState& b, const TrackSettings& settings, Budget budget,
               TrackResult& out);
@@ -133,8 +133,8 @@ class Tracker {
 
     /// All that the next steps depend on beside their arguments, little-endian.
     [[nodiscard]] std::vector<std::byte> save() const;
-    /// In place of the state. @throws Error badFile (not what `save` has written, or damaged), topologyChanged (of other
-    /// meshes); the tracker is then as before
+    /// In place of the state. @throws Error badFile (not what `save` has written, or damaged), topologyChanged (of
+    /// other meshes); the tracker is then as before
     void load(std::span<const std::byte> bytes);
 
   private:

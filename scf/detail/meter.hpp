@@ -38,4 +38,9 @@ class Meter {
     bool m_late = false;
 };
 
+/// Of so many units; of unlimited ones all.
+[[nodiscard]] inline std::uint64_t shareOf(std::uint64_t units, double share) {
+    return units == unlimited ? unlimited : static_cast<std::uint64_t>(static_cast<double>(units) * share);
+}
+
 }  // namespace grapeshot::detail

@@ -1,0 +1,61 @@
+// What may have been missed.
+#include <grapeshot/scf/detail/track_step.hpp>
+
+#include <algorithm>
+
+namespace grapeshot::detail {
+namespace {
+
+constexpr double caution = 0.75;  // what is not finished counts as a hit
+constexpr float priceMemory = 0.9F;
+
+}  // namespace
+
+void TrackStep::audit(bool complete) {
+    std::vector<std::uint32_t>& unknown = m_scratch.unknown;
+    unknown.clear();
+    for (std::uint32_t i = 0; i < m_scratch.candidates.size(); ++i) {
+        if (!m_scratch.candidates[i].isReported) {
+            unknown.push_back(i);
+        }
+    }
+    MissEstimate& miss = m_out.miss;
+    miss.unknown = unknown.size();
+    // How many is decided before the first is tested, from earlier steps' prices: to stop when the budget ends would
+    // prefer the cheap ones.
+    const std::uint64_t units = left();
+    const double affordable =
+        units == unlimited ? static_cast<double>(unknown.size())
+                           : caution * static_cast<double>(units) / static_cast<double>(std::max(1.0F, m_testPrice));
+    miss.sampled = m_settings.auditShare > 0
+                       ? static_cast<std::uint64_t>(std::min(affordable, static_cast<double>(unknown.size())))
+                       : 0;
+    std::uint64_t spent = 0;
+    for (std::size_t i = 0; i < miss.sampled; ++i) {
+        std::swap(unknown[i], unknown[i + below(unknown.size() - i)]);
+        if (left() == 0) {
+            ++miss.open;
+            continue;
+        }
+        const std::uint64_t begin = work();
+        const SearchEnd end = m_scratch.search.runUntil(
+            m_space, m_scratch.candidates[unknown[i]].cells, true, [&] { return left() == 0; },
+            [&](const PairBatch& batch, int lane) {
+                report(batch, lane);
+                return false;
+            });
+        spent += work() - begin;
+        miss.open += end == SearchEnd::limited ? 1 : 0;
+        miss.hits += end == SearchEnd::stopped ? 1 : 0;
+    }
+    if (miss.sampled > 0) {
+        const float price =
+            static_cast<float>(spent) / static_cast<float>(std::max<std::uint64_t>(1, miss.sampled - miss.open));
+        m_testPrice = priceMemory * m_testPrice + (1 - priceMemory) * price;
+    }
+    estimateMissed(miss, complete);
+    m_out.certain = complete && m_out.carried == 0 && miss.sampled == miss.unknown && miss.open == 0;
+    m_out.stop = m_out.certain ? StopReason::certain : StopReason::budget;
+}
+
+}  // namespace grapeshot::detail
