@@ -11,11 +11,12 @@ constexpr double nearest = 0.2;  // of the mean bounding diameter
 constexpr double farthest = 1.05;
 constexpr int distances = 12;
 
+}  // namespace
+
 Eigen::Vector3d middleOf(const Tree& tree) {
     return 0.5 * (tree.lower.cast<double>() + tree.upper.cast<double>());
 }
 
-/// Of the smallest ball about the middle of the box, m.
 double boundingDiameter(const Tree& tree) {
     const Eigen::Vector3d middle = middleOf(tree);
     double squared = 0;
@@ -48,10 +49,12 @@ Eigen::Matrix3d rotationFrom(double u, double v, double t) {
     return m;
 }
 
-}  // namespace
-
 PoseRange::PoseRange(const Tree& a, const Tree& b)
-    : m_middleA(middleOf(a)), m_middleB(middleOf(b)), m_diameter(0.5 * (boundingDiameter(a) + boundingDiameter(b))) {}
+    : m_middleA(middleOf(a)), m_middleB(middleOf(b)), m_diameter(boundingDiameter(a)) {
+    if (&a != &b) {
+        m_diameter = 0.5 * (m_diameter + boundingDiameter(b));
+    }
+}
 
 Pose PoseRange::at(const std::array<double, 6>& unit) const {
     const double share = std::floor(unit[0] * distances) / (distances - 1);

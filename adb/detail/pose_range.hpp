@@ -13,6 +13,14 @@
 
 namespace grapeshot::detail {
 
+/// Of the mesh's box, m.
+[[nodiscard]] Eigen::Vector3d middleOf(const Tree& tree);
+/// Of the smallest ball about the middle of the box, m. Looks at every corner of every triangle.
+[[nodiscard]] double boundingDiameter(const Tree& tree);
+/// Uniform, from numbers in 0..1.
+[[nodiscard]] Eigen::Vector3d directionFrom(double u, double v);
+[[nodiscard]] Eigen::Matrix3d rotationFrom(double u, double v, double t);
+
 /// Of B in A's frame. Twelve distances of the boxes' middles, from 0.2 to 1.05 of the mean bounding diameter; uniform
 /// rotations and directions. A value; looks at every vertex once, when it is made.
 class PoseRange {

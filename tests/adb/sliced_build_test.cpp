@@ -8,12 +8,14 @@
 
 #include <grapeshot/core/error.hpp>
 #include <scenes/shapes.hpp>
+#include <support/slices.hpp>
 
 #include "trees.hpp"
 
 namespace grapeshot {
 namespace {
 
+using test::inSlices;
 using test::sameBytes;
 
 void expectSame(const Tree& a, const Tree& b) {
@@ -41,17 +43,6 @@ std::vector<scenes::Mesh> meshes() {
         stack.triangles.push_back({0, 1, 2});
     }
     return {scenes::bumpySphere(1, 0.2F, 3, 24), scenes::grid(3, 3, 60, 60), one, stack};
-}
-
-std::uint64_t inSlices(Sliced& work, std::uint64_t slice) {
-    std::uint64_t sum = 0;
-    while (!work.isDone()) {
-        const std::uint64_t done = work.run({.work = slice});
-        EXPECT_LE(done, slice);
-        EXPECT_TRUE(done > 0 || work.isDone());
-        sum += done;
-    }
-    return sum;
 }
 
 TEST(SlicedBuild, GivesTheBytesOfTheWhole) {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <vector>
 
 #include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/pose.hpp>
+#include <support/same_bytes.hpp>
 
 namespace grapeshot::test {
 
@@ -29,12 +29,6 @@ inline std::size_t depthOf(const Tree& tree) {
 /// Distance below which rounding decides whether two triangles touch, m.
 inline double borderline(const Tree& a, const Tree& b, const Pose& pose) {
     return 1e-6 * (double{a.radius} + b.radius + pose.translation.cast<double>().norm());
-}
-
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                                               a.size() * sizeof(T)) == 0;
 }
 
 }  // namespace grapeshot::test

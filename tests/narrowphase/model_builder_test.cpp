@@ -4,22 +4,20 @@
 #include <gtest/gtest.h>
 
 #include <unistd.h>
-#include <cstring>
 
 #include <filesystem>
 
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/narrowphase/model_cache.hpp>
 #include <scenes/shapes.hpp>
+#include <support/same_bytes.hpp>
+#include <support/slices.hpp>
 
 namespace grapeshot {
 namespace {
 
-template <typename T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
-                                               a.size() * sizeof(T)) == 0;
-}
+using test::inSlices;
+using test::sameBytes;
 
 void expectSame(const MeshModel& a, const MeshModel& b) {
     EXPECT_TRUE(sameBytes(a.tree.nodes, b.tree.nodes));
@@ -45,17 +43,6 @@ void expectSame(const MeshModel& a, const MeshModel& b) {
         EXPECT_EQ(a.leafShapes[i].cosSpread, b.leafShapes[i].cosSpread);
         EXPECT_EQ(a.leafShapes[i].plain, b.leafShapes[i].plain);
     }
-}
-
-std::uint64_t inSlices(Sliced work, std::uint64_t slice) {
-    std::uint64_t sum = 0;
-    while (!work.isDone()) {
-        const std::uint64_t done = work.run({.work = slice});
-        EXPECT_LE(done, slice);
-        EXPECT_TRUE(done > 0 || work.isDone());
-        sum += done;
-    }
-    return sum;
 }
 
 TEST(ModelBuilder, GivesTheBytesOfTheWhole) {

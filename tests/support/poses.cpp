@@ -1,37 +1,19 @@
 // This work is based on:
 // Guy Steele, Doug Lea, Christine Flood. Fast Splittable Pseudorandom Number Generators. OOPSLA 2014 (splitmix64)
-// Ken Shoemake. Uniform Random Rotations. Graphics Gems III, 1992
 // Gabriel Zachmann. Rapid Collision Detection by Dynamically Aligned DOP-Trees. VRAIS 1998 (two copies, distances)
 #include <support/poses.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
+#include <grapeshot/adb/detail/pose_range.hpp>
 #include <grapeshot/adb/query.hpp>
 
 namespace grapeshot::test {
 namespace {
 
-Eigen::Vector3d centerOf(const Tree& tree) {
-    return 0.5 * (tree.lower.cast<double>() + tree.upper.cast<double>());
-}
-
-/// Of the smallest ball about the middle of the box, m.
-double boundingDiameter(const Tree& tree) {
-    const Eigen::Vector3d center = centerOf(tree);
-    double squared = 0;
-    for (const Triangle& triangle : tree.triangles) {
-        for (const std::uint32_t corner : triangle) {
-            squared = std::max(squared, (tree.vertices[corner].cast<double>() - center).squaredNorm());
-        }
-    }
-    return 2 * std::sqrt(squared);
-}
-
 /// B's middle of box at the given place of A's frame.
 Pose placed(const Tree& b, const Eigen::Matrix3f& rotation, const Eigen::Vector3d& place) {
-    return {rotation, (place - rotation.cast<double>() * centerOf(b)).cast<float>()};
+    return {rotation, (place - rotation.cast<double>() * detail::middleOf(b)).cast<float>()};
 }
 
 }  // namespace
@@ -53,25 +35,14 @@ double Random::uniform(double low, double high) {
 }
 
 Eigen::Vector3f Random::direction() {
-    const double z = uniform(-1, 1);
-    const double angle = uniform(0, 2 * std::numbers::pi);
-    const double r = std::sqrt(std::max(0.0, 1 - z * z));
-    return Eigen::Vector3d(r * std::cos(angle), r * std::sin(angle), z).cast<float>();
+    const double u = unit();
+    return detail::directionFrom(u, unit()).cast<float>();
 }
 
 Eigen::Matrix3f Random::rotation() {
     const double u = unit();
-    const double a = uniform(0, 2 * std::numbers::pi);
-    const double b = uniform(0, 2 * std::numbers::pi);
-    const double w = std::sqrt(1 - u) * std::sin(a);
-    const double x = std::sqrt(1 - u) * std::cos(a);
-    const double y = std::sqrt(u) * std::sin(b);
-    const double z = std::sqrt(u) * std::cos(b);
-    Eigen::Matrix3d m;
-    m << 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),  //
-        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),   //
-        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
-    return m.cast<float>();
+    const double v = unit();
+    return detail::rotationFrom(u, v, unit()).cast<float>();
 }
 
 Pose randomPose(const Tree& a, const Tree& b, Random& random) {
@@ -95,14 +66,14 @@ void shuffle(PoseSet& set, Random& random) {
 PoseSet zachmannPoses(const Tree& a, const Tree& b, int distances, int perDistance, std::uint64_t seed) {
     PoseSet set;
     Random random(seed);
-    const double diameter = 0.5 * (boundingDiameter(a) + boundingDiameter(b));
+    const double diameter = 0.5 * (detail::boundingDiameter(a) + detail::boundingDiameter(b));
     for (int i = 0; i < distances; ++i) {
         const double share = distances > 1 ? static_cast<double>(i) / (distances - 1) : 0;
         set.distances.push_back((0.2 + share * (1.05 - 0.2)) * diameter);
         for (int j = 0; j < perDistance; ++j) {
             const Eigen::Matrix3f rotation = random.rotation();
             const Eigen::Vector3d offset = set.distances.back() * random.direction().cast<double>();
-            set.poses.push_back(placed(b, rotation, centerOf(a) + offset));
+            set.poses.push_back(placed(b, rotation, detail::middleOf(a) + offset));
             set.distanceIndex.push_back(i);
         }
     }
@@ -115,13 +86,15 @@ std::vector<Pose> grazingPoses(const Tree& a, const Tree& b, int count, double g
     Random random(seed);
     Query query(a, b);
     const double size = 0.5 * ((a.upper - a.lower).norm() + (b.upper - b.lower).norm());
-    const double far = 0.55 * (boundingDiameter(a) + boundingDiameter(b));
+    const double far = 0.55 * (detail::boundingDiameter(a) + detail::boundingDiameter(b));
     constexpr int steps = 64;
     // A direction along which the bodies never touch (through a hole) is drawn anew.
     for (int attempt = 0; attempt < 100 * count && static_cast<int>(poses.size()) < count; ++attempt) {
         const Eigen::Matrix3f rotation = random.rotation();
         const Eigen::Vector3d direction = random.direction().cast<double>();
-        const auto at = [&](double distance) { return placed(b, rotation, centerOf(a) + distance * direction); };
+        const auto at = [&](double distance) {
+            return placed(b, rotation, detail::middleOf(a) + distance * direction);
+        };
         double clear = far;
         double touching = -1;
         for (int step = 1; step <= steps; ++step) {
