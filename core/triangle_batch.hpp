@@ -39,8 +39,8 @@ struct alignas(64) DistanceBatch {
 
 /// Signed distance and witness points of sixteen pairs. One work unit. Lanes are independent: a lane's bytes do not
 /// depend on the other lanes nor on the instruction set.
-/// @param maxDistance m: lanes that are easily seen to be farther apart get the largest float as distance and no meaning
-/// in the rest; much cheaper where all are
+/// @param maxDistance m: lanes that are easily seen to be farther apart get the largest float as distance and no
+/// meaning in the rest; much cheaper where all are
 void signedDistances(const TriangleBatch& a, const TriangleBatch& b, DistanceBatch& out,
                      float maxDistance = std::numeric_limits<float>::infinity()) noexcept;
 

@@ -50,8 +50,8 @@ struct PieceBall {
 
 /// Up to four pieces of a piece. Empty slots stand last and have child noBall.
 struct BallNode {
-    PieceBall own;             ///< of the root: infinite
-    std::uint32_t center[4];   ///< as the children's own
+    PieceBall own;            ///< of the root: infinite
+    std::uint32_t center[4];  ///< as the children's own
     float radius[4];
     BallRef child[4];
     std::uint32_t count;  ///< 1..4

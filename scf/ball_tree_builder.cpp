@@ -115,7 +115,8 @@ class Builder {
             }
             own.restRadius = reach * 1.00001F;
             m_tree.restBalls[index].radius[slot] = own.restRadius;
-            const BallRef child = parts[slot].size() <= leafSize ? addLeaf(parts[slot], own) : addNode(parts[slot], own);
+            const BallRef child =
+                parts[slot].size() <= leafSize ? addLeaf(parts[slot], own) : addNode(parts[slot], own);
             m_tree.nodes[index].child[slot] = child;
         }
     }

@@ -12,16 +12,16 @@
 
 namespace grapeshot {
 
-/// Counts pairs of cells: each surface is cut into so many pieces (TrackSettings::frontCells), and the pairs whose balls
-/// are within the distance are the candidates; nothing is in contact outside of them. A contact cell is a candidate with
-/// a contact. Those without a reported one are what was missed.
+/// Counts pairs of cells: each surface is cut into so many pieces (TrackSettings::frontCells), and the pairs whose
+/// balls are within the distance are the candidates; nothing is in contact outside of them. A contact cell is a
+/// candidate with a contact. Those without a reported one are what was missed.
 struct MissEstimate {
     std::uint64_t candidates = 0;
     std::uint64_t reported = 0;  ///< contact cells with a reported contact
     std::uint64_t unknown = 0;   ///< candidates without one when the sample was drawn
     std::uint64_t sampled = 0;   ///< of the unknown ones, drawn uniformly without replacement
     std::uint64_t hits = 0;      ///< of the sample: contact cells (they are reported, too)
-    std::uint64_t open = 0;      ///< of the sample: not finished when the budget ended; each counts as a hit in the bound
+    std::uint64_t open = 0;  ///< of the sample: not finished when the budget ended; each counts as a hit in the bound
     /// Contact cells without a reported contact: unbiased estimate, NaN if nothing was sampled of something.
     double missed = std::numeric_limits<double>::quiet_NaN();
     /// ... and a bound that holds in 95 % of all draws, whatever the surfaces do; infinite if the candidates are not

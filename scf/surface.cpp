@@ -75,7 +75,8 @@ void listEdges(Surface& surface) {
         surface.edges.begin.push_back(static_cast<std::uint32_t>(surface.edges.all.size()));
     }
     if (!surface.edgeSquare.empty()) {
-        surface.longestEdge = 1.00001F * std::sqrt(*std::max_element(surface.edgeSquare.begin(), surface.edgeSquare.end()));
+        surface.longestEdge =
+            1.00001F * std::sqrt(*std::max_element(surface.edgeSquare.begin(), surface.edgeSquare.end()));
     }
 }
 

@@ -1,6 +1,7 @@
 // A client of DART: two rings of triangles that are linked like two links of a chain, by DART's Bullet detector.
-// usage: dart_meshes FOLDER [--register]: writes a mesh file into FOLDER; --register: our algorithms, by the dispatcher of
-// DART's collision group. Prints how many contacts DART reports for links that cut each other, and for links that don't.
+// usage: dart_meshes FOLDER [--register]: writes a mesh file into FOLDER; --register: our algorithms, by the dispatcher
+// of DART's collision group. Prints how many contacts DART reports for links that cut each other, and for links that
+// don't.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -52,8 +53,8 @@ std::string writeRing(const std::string& folder) {
 dart::dynamics::SkeletonPtr makeRing(const std::string& name, const std::string& file) {
     auto skeleton = dart::dynamics::Skeleton::create(name);
     auto* body = skeleton->createJointAndBodyNodePair<dart::dynamics::FreeJoint>().second;
-    auto shape = std::make_shared<dart::dynamics::MeshShape>(Eigen::Vector3d::Ones(),
-                                                             dart::dynamics::MeshShape::loadMesh(file));
+    auto shape =
+        std::make_shared<dart::dynamics::MeshShape>(Eigen::Vector3d::Ones(), dart::dynamics::MeshShape::loadMesh(file));
     body->createShapeNodeWith<dart::dynamics::CollisionAspect>(shape);
     return skeleton;
 }
