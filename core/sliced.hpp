@@ -43,16 +43,19 @@ class [[nodiscard]] Sliced {
     /// done then.
     std::uint64_t run(const Budget& budget = {});
     [[nodiscard]] bool isDone() const { return m_handle.done(); }
+    /// Units of the last `run`, also if it threw.
+    [[nodiscard]] std::uint64_t spent() const;
 
     // What co_await wants.
     [[nodiscard]] bool await_ready() const noexcept { return false; }
-    std::coroutine_handle<> await_suspend(Handle caller) noexcept;
+    void await_suspend(Handle caller) noexcept;
     void await_resume();
 
   private:
     struct Meter {
         Purse purse{Budget{}};
         std::uint64_t asked = 0;  ///< by the piece that waits
+        bool waits = false;       ///< for it to be paid
         std::coroutine_handle<> innermost;
 
         [[nodiscard]] bool affords() const {
@@ -62,7 +65,7 @@ class [[nodiscard]] Sliced {
     };
     struct Back {
         [[nodiscard]] bool await_ready() const noexcept { return false; }
-        std::coroutine_handle<> await_suspend(Handle done) const noexcept;
+        void await_suspend(Handle done) const noexcept;
         void await_resume() const noexcept {}
     };
     struct Payment {
@@ -89,6 +92,7 @@ struct Sliced::promise_type {
     Payment yield_value(std::uint64_t work) noexcept {
         meter->asked = std::min(work, mostSlicedPiece);
         if (!meter->affords()) {
+            meter->waits = true;
             return {false};
         }
         meter->purse.pay(meter->asked);
@@ -97,18 +101,17 @@ struct Sliced::promise_type {
     }
 };
 
-inline std::coroutine_handle<> Sliced::Back::await_suspend(Handle done) const noexcept {
-    promise_type& promise = done.promise();
-    promise.meter->innermost = promise.caller;
-    return promise.caller ? promise.caller : std::noop_coroutine();
+// Both only say who goes on, and `run` resumes it: a compiler that does not optimise makes a call of each transfer from
+// one coroutine to another, and the stack ends.
+inline void Sliced::Back::await_suspend(Handle done) const noexcept {
+    done.promise().meter->innermost = done.promise().caller;
 }
 
-inline std::coroutine_handle<> Sliced::await_suspend(Handle caller) noexcept {
+inline void Sliced::await_suspend(Handle caller) noexcept {
     promise_type& promise = m_handle.promise();
     promise.meter = caller.promise().meter;
     promise.caller = caller;
     promise.meter->innermost = m_handle;
-    return m_handle;
 }
 
 inline void Sliced::await_resume() {
@@ -127,10 +130,17 @@ inline std::uint64_t Sliced::run(const Budget& budget) {
     meter.purse = Purse(budget);
     if (!m_handle.done() && meter.affords()) {
         meter.purse.pay(std::exchange(meter.asked, 0));
-        meter.innermost.resume();
+        meter.waits = false;
+        while (!m_handle.done() && !meter.waits) {
+            meter.innermost.resume();
+        }
     }
     await_resume();
-    return meter.purse.spent();
+    return spent();
+}
+
+inline std::uint64_t Sliced::spent() const {
+    return m_handle.promise().own.purse.spent();
 }
 
 /// Calls body(begin, end) for ranges that together are [begin, end), in order: `perUnit` of them cost one unit.

@@ -109,6 +109,9 @@ class FrameWork {
         const auto goOn = [&](const Budget& budget) {
             Budget rest = budget;
             for (const auto& entry : m_building) {
+                if (rest.time != never) {
+                    rest.time = std::min(rest.time, m_frame.timeLeft());
+                }
                 const std::uint64_t done = entry->goOnBuilding(rest);
                 work += done;
                 rest.work -= rest.work == unlimited ? 0 : std::min(rest.work, done);

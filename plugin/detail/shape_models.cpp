@@ -64,10 +64,14 @@ std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shap
         const bool sameSources = m_model && m_found == m_sources;
         const bool unchanged =
             !m_changed && sameSources &&
-            (m_building != nullptr ||  // looked at when it is there
-             (m_model->mesh ? isUnchanged(thorough ? thoroughly : sampledVertices,
-                                          thorough ? thoroughly : sampledTriangles)
-                            : !thorough));  // what could not be used is read again when a new pair asks
+            // What is being built is looked at when it is there; but another shape may have taken the address
+            // meanwhile.
+            (m_building != nullptr ? !m_letGo || isUnchanged(m_building->mesh.vertices, m_building->mesh.triangles,
+                                                             thoroughly, thoroughly)
+             : m_model->mesh       ? isUnchanged(m_model->mesh->tree.vertices, m_model->mesh->tree.triangles,
+                                           thorough ? thoroughly : sampledVertices,
+                                           thorough ? thoroughly : sampledTriangles)
+                                   : !thorough);  // what could not be used is read again when a new pair asks
         if (!unchanged) {
             m_sources.swap(m_found);
             read(cache, pace, sameSources && m_model->mesh && !m_letGo, work);
@@ -80,6 +84,9 @@ std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shap
         if (!described) {
             m_sources.clear();  // so that whatever is described next is read
         }
+    } catch (...) {
+        beginAnew();
+        throw;
     }
     m_changed = m_letGo = false;
     return m_model;
@@ -110,19 +117,26 @@ std::uint64_t ShapeEntry::goOnBuilding(const Budget& budget) {
     if (m_building == nullptr) {
         return 0;
     }
+    Sliced& building = *m_building->work;
+    std::uint64_t work = 0;
     try {
-        const std::uint64_t work = m_building->work->run(budget);
-        if (m_building->work->isDone()) {
+        work = building.run(budget);
+        if (building.isDone()) {
             finish();
         }
-        return work;
     } catch (const Error& error) {
+        work = building.spent();
         fail(error.what());
     } catch (...) {
-        m_building.reset();  // out of memory: the stand-in stays, the next step begins anew
-        m_changed = true;
+        work = building.spent();
+        beginAnew();  // out of memory: the stand-in stays
     }
-    return budget.work;  // of what it did before that there is no count
+    return work;
+}
+
+void ShapeEntry::beginAnew() {
+    m_building.reset();
+    m_changed = true;
 }
 
 void ShapeEntry::finish() {
@@ -138,8 +152,8 @@ void ShapeEntry::fail(const std::string& error) {
     m_model = std::move(failed);
 }
 
-bool ShapeEntry::isUnchanged(std::size_t vertices, std::size_t triangles) {
-    const Tree& tree = m_model->mesh->tree;
+bool ShapeEntry::isUnchanged(std::span<const Eigen::Vector3f> readVertices, std::span<const Triangle> readTriangles,
+                             std::size_t vertices, std::size_t triangles) {
     const std::size_t phase = m_cursor++;
     std::uint32_t firstVertex = 0;
     std::uint32_t firstTriangle = 0;
@@ -147,14 +161,18 @@ bool ShapeEntry::isUnchanged(std::size_t vertices, std::size_t triangles) {
         const auto vertexCount = static_cast<std::size_t>(source.vertices);
         const auto triangleCount = static_cast<std::size_t>(source.triangles);
         const auto sameVertex = [&](std::size_t i) {
-            return sameBits(source.vertex(static_cast<int>(i)), tree.vertices[firstVertex + i]);
+            return firstVertex + i >= readVertices.size() ||
+                   sameBits(source.vertex(static_cast<int>(i)), readVertices[firstVertex + i]);
         };
         const auto sameTriangle = [&](std::size_t i) {
+            if (firstTriangle + i >= readTriangles.size()) {
+                return true;
+            }
             Triangle triangle = source.triangle(static_cast<int>(i));
             for (std::uint32_t& corner : triangle) {
                 corner += firstVertex;
             }
-            return triangle == tree.triangles[firstTriangle + i];
+            return triangle == readTriangles[firstTriangle + i];
         };
         if (!visitSample(vertexCount, vertices, phase, sameVertex) ||
             !visitSample(triangleCount, triangles, phase, sameTriangle)) {

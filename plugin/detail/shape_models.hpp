@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -78,7 +79,11 @@ class ShapeEntry {
     void finish();
     void fail(const std::string& error);
     std::shared_ptr<const ShapeModel> standIn(bool edited, std::uint64_t& work) const;
-    [[nodiscard]] bool isUnchanged(std::size_t vertices, std::size_t triangles);
+    void beginAnew();
+    /// Is the shape still what was read of it, as far as that goes? Looks at so many of its vertices and triangles.
+    [[nodiscard]] bool isUnchanged(std::span<const Eigen::Vector3f> readVertices,
+                                   std::span<const Triangle> readTriangles, std::size_t vertices,
+                                   std::size_t triangles);
     void read(ModelCache& cache, Pace pace, bool edited, std::uint64_t& work);
 
     mutable std::mutex m_mutex;

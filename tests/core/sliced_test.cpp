@@ -27,6 +27,12 @@ Sliced twice(int& done) {
     co_await countUp(2, 2, done);
 }
 
+Sliced manyParts(int parts, int& done) {
+    for (int i = 0; i < parts; ++i) {
+        co_await countUp(1, 1, done);
+    }
+}
+
 Sliced failing(int& done) {
     co_await countUp(2, 3, done);
     throw std::runtime_error("on purpose");
@@ -123,6 +129,22 @@ TEST(Sliced, SortsLikeASort) {
         }
         EXPECT_EQ(items, expected);
     }
+}
+
+// Without optimisation (or under a sanitizer) too.
+TEST(Sliced, PartsAfterPartsNeedNoStack) {
+    constexpr int parts = 400'000;
+    int done = 0;
+    Sliced work = manyParts(parts, done);
+    EXPECT_EQ(work.run(), static_cast<std::uint64_t>(parts));
+    EXPECT_EQ(done, parts);
+}
+
+TEST(Sliced, TellsItsWorkAlsoWhenItThrows) {
+    int done = 0;
+    Sliced work = failing(done);
+    EXPECT_THROW(work.run({.work = 100}), std::runtime_error);
+    EXPECT_EQ(work.spent(), 6U);
 }
 
 /// Runs in slices of different sizes; the work.

@@ -1,6 +1,8 @@
 // Shapes that change under us: edits in place, other scales and margins, other shapes at the same address.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <new>
 
@@ -13,6 +15,7 @@ namespace grapeshot::test {
 namespace {
 
 using detail::Check;
+using detail::Pace;
 using detail::ShapeEntry;
 using detail::ShapeModel;
 
@@ -116,6 +119,34 @@ TEST_F(Entries, AnotherShapeAtTheSameAddressIsAnotherShape) {
     shape->~btGImpactMeshShape();
     EXPECT_NE(first, second);
     EXPECT_EQ(second->mesh->tree.vertices[1234], large.mesh.vertices[1234]);
+}
+
+// Nobody holds the shape while its tree is being built; another one takes its place, and its arrays'.
+TEST(ShapeEdit, ABuildGoesOnOnlyIfTheShapeIsTheSame) {
+    const MeshShape other(scenes::bumpySphere(1, 0.3F, 5, 20), Kind::bvh);
+    std::array<std::uint64_t, 2> spent{};
+    for (const bool changes : {false, true}) {
+        MeshShape shape(scenes::bumpySphere(1, 0.1F, 5, 20), Kind::bvh);
+        ShapeEntry own;
+        ModelCache empty;
+        std::uint64_t work = 0;
+        own.model(*shape, empty, Check::thorough, 1, Pace::inSlices, work);
+        const std::uint64_t before = own.goOnBuilding({.work = 2000});
+        ASSERT_TRUE(own.isBuilding());
+        if (changes) {
+            std::ranges::copy(other.mesh.vertices, shape.mesh.vertices.begin());
+        }
+        own.letGo();
+        own.model(*shape, empty, Check::thorough, 2, Pace::inSlices, work);
+        while (own.isBuilding()) {
+            spent[changes ? 1 : 0] += own.goOnBuilding({.work = 1000});
+        }
+        spent[changes ? 1 : 0] += changes ? 0 : before;
+        ASSERT_TRUE(own.present()->mesh);
+        EXPECT_EQ(contentKey(own.present()->mesh->tree), contentKey(build(shape.mesh.view(), {.tuningPoses = 0})));
+    }
+    EXPECT_NEAR(static_cast<double>(spent[0]), static_cast<double>(spent[1]), 0.02 * static_cast<double>(spent[1]))
+        << "what was done is not done again if it is the same";
 }
 
 TEST(ShapeEdit, ATreeDoesNotDependOnWhatWasAtTheAddressBefore) {
