@@ -56,7 +56,7 @@ struct Side {
 
 }  // namespace
 
-std::uint64_t stopPoints(const PairShapes& shapes, const PairSize& size, const FirstTouch& touch, RegionSlot& slot) {
+void stopPoints(const PairShapes& shapes, const PairSize& size, const FirstTouch& touch, RegionSlot& slot) {
     Side a{shapes.modelA->mesh.get(), shapes.a->getCollisionShape(), shapes.modelA->mesh->tree.radius};
     Side b{shapes.modelB ? shapes.modelB->mesh.get() : nullptr, shapes.b->getCollisionShape(), 0};
     b.radius = b.mesh != nullptr ? b.mesh->tree.radius : sizeOf(*b.shape).halfDiagonal;
@@ -102,7 +102,6 @@ std::uint64_t stopPoints(const PairShapes& shapes, const PairSize& size, const F
         point.triangleA = touch.contact.triangleA;
         point.triangleB = touch.contact.triangleB;
     }
-    return stopWork;
 }
 
 }  // namespace detail

@@ -14,7 +14,7 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
-/// Most work of `stopPoints`, units.
+/// Work of `stopPoints`, units.
 inline constexpr std::uint64_t stopWork = 16;
 
 struct FirstTouch {
@@ -25,8 +25,8 @@ struct FirstTouch {
 
 /// Up to four points, in the slot: those farthest to four sides across the normal (of 64 vertices of the mesh, all over
 /// it) that are above a surface of the other body when it touches; named by the triangles that touch. A solid counts as
-/// wide as its box. Returns the work, units.
-std::uint64_t stopPoints(const PairShapes& shapes, const PairSize& size, const FirstTouch& touch, RegionSlot& slot);
+/// wide as its box.
+void stopPoints(const PairShapes& shapes, const PairSize& size, const FirstTouch& touch, RegionSlot& slot);
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

@@ -16,7 +16,7 @@ namespace detail {
 
 namespace {
 
-constexpr int mostSteps = 1024;  // most of them far apart, which costs nothing
+constexpr int mostSteps = 1024;  // most of them far apart, which costs a comparison
 constexpr int bisections = 4;
 
 btTransform toTransform(const Pose& pose) {
@@ -39,7 +39,9 @@ class Sweep {
           m_touching(touching),
           m_motionA(motionOf(*shapes.a->getCollisionObject())),
           m_motionB(motionOf(*shapes.b->getCollisionObject())),
-          m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {}
+          m_now(toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()))) {
+        findBall();
+    }
 
     /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
     Swept run(float motion, btScalar seconds, ContactSet& ahead) {
@@ -83,7 +85,7 @@ class Sweep {
             ContactSetSettings set = m_settings.set;
             set.maxDistance = motion + m_settings.maxDistance;
             merge(ahead, m_found, m_now, true, set);
-            stop(before, ahead);
+            stop(ahead);
         }
         return {m_purse.spent(), !m_purse.isEmpty()};
     }
@@ -93,19 +95,33 @@ class Sweep {
         return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
     }
 
-    /// The smaller mesh's ball does not reach the larger one's box. Of solids that is not asked.
+    /// The ball around the smaller body does not reach the larger mesh's box. A plane is never far.
     [[nodiscard]] bool isFar(const Pose& then) const {
-        if (!m_shapes.modelB) {
-            return false;
-        }
-        const Tree& a = m_shapes.modelA->mesh->tree;
-        const Tree& b = m_shapes.modelB->mesh->tree;
-        const bool aIsSmall = a.radius <= b.radius;
-        const Tree& large = aIsSmall ? b : a;
-        const Eigen::Vector3f middle = (aIsSmall ? inverse(then) : then).translation;
-        const float reach = std::min(a.radius, b.radius) + m_settings.maxDistance;
-        const Eigen::Vector3f beyond = (large.lower - middle).cwiseMax(middle - large.upper).cwiseMax(0.0F);
+        const Eigen::Vector3f middle = apply(m_smallIsA ? inverse(then) : then, m_middle);
+        const float reach = m_radius + m_settings.maxDistance;
+        const Eigen::Vector3f beyond = (m_large->lower - middle).cwiseMax(middle - m_large->upper).cwiseMax(0.0F);
         return beyond.squaredNorm() > reach * reach;
+    }
+
+    void findBall() {
+        const Tree& a = m_shapes.modelA->mesh->tree;
+        m_large = &a;
+        if (!m_shapes.modelB) {
+            const btCollisionShape& solid = *m_shapes.b->getCollisionShape();
+            m_radius = std::numeric_limits<float>::infinity();
+            if (solid.getShapeType() != STATIC_PLANE_PROXYTYPE) {
+                btVector3 center;
+                btScalar radius = 0;
+                solid.getBoundingSphere(center, radius);
+                m_middle = toEigen(center);
+                m_radius = static_cast<float>(radius);
+            }
+            return;
+        }
+        const Tree& b = m_shapes.modelB->mesh->tree;
+        m_smallIsA = a.radius <= b.radius;
+        m_large = m_smallIsA ? &b : &a;
+        m_radius = std::min(a.radius, b.radius);
     }
 
     /// Do the bodies overlap at that time? If that cannot be asked: are there contacts which are none now?
@@ -151,28 +167,27 @@ class Sweep {
             return;
         }
         RegionSlot slot;
-        m_purse.pay(stopPoints(m_shapes, m_task.size, touch, slot));
+        stopPoints(m_shapes, m_task.size, touch, slot);
+        m_purse.pay(stopWork);
         if (slot.count > 0) {
             slot.id = ahead.nextId++;
             ahead.slots.push_back(slot);
         }
     }
 
-    /// Whatever touches first, the rest of the body is not to go through there.
-    void stop(btScalar seconds, ContactSet& ahead) {
-        const Pose then = poseAt(seconds);
-        if (!isRigid(then)) {
-            return;
-        }
-        FirstTouch touch{{}, then, m_now};
+    /// Whatever touches first, the rest of the body is not to go through there. After `collect` has found something.
+    void stop(ContactSet& ahead) {
+        FirstTouch touch{{}, m_thenPose, m_now};
         float least = std::numeric_limits<float>::infinity();
         for (const SurfaceContact& contact : m_then) {
-            if (contact.signedDistance < least && !touchesThere(thenToNow(then) * contact.normal)) {
+            if (contact.signedDistance < least && !touchesThere(thenToNow(m_thenPose) * contact.normal)) {
                 least = contact.signedDistance;
                 touch.contact = contact;
             }
         }
-        addStop(touch, ahead);
+        if (least < std::numeric_limits<float>::infinity()) {
+            addStop(touch, ahead);
+        }
     }
 
     /// Of directions fixed to B, A's frame.
@@ -182,7 +197,7 @@ class Sweep {
 
     /// The contacts of that time within `reach` which are none now, in m_found, as they are now.
     void collect(btScalar seconds, float reach) {
-        const Pose then = poseAt(seconds);
+        const Pose then = m_thenPose = poseAt(seconds);
         m_then.clear();
         m_found.clear();
         if (!isRigid(then)) {
@@ -218,6 +233,11 @@ class Sweep {
     const ContactSet& m_touching;
     Motion m_motionA, m_motionB;
     Pose m_now;
+    Pose m_thenPose;  // of m_then
+    const Tree* m_large = nullptr;
+    Eigen::Vector3f m_middle = Eigen::Vector3f::Zero();  // of the ball, in the smaller body's frame
+    float m_radius = 0;
+    bool m_smallIsA = false;
     std::optional<Query> m_query;
     std::vector<SurfaceContact> m_then, m_found;
 };
