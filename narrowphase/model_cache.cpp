@@ -60,13 +60,6 @@ struct ModelCache::State {
         }
     }
 
-    Model countedBuild(MeshView mesh, const BuildSettings& settings) {
-        auto model = std::make_shared<const MeshModel>(makeModelOf(treeOf(mesh, settings)));
-        const std::lock_guard lock(mutex);
-        ++builds;
-        return model;
-    }
-
     /// Where the tree of this content belongs; empty: nowhere.
     std::filesystem::path fileOf(const ContentKey& content, const BuildSettings& settings) {
         const std::lock_guard lock(mutex);
@@ -103,14 +96,20 @@ struct ModelCache::State {
         }
     }
 
-    Tree treeOf(MeshView mesh, const BuildSettings& settings) {
-        const std::filesystem::path file = fileOf(contentKey(mesh), settings);
-        Tree tree;
-        if (!load(file, mesh, settings, tree)) {
-            tree = build(mesh, settings);
-            save(tree, settings, file);
+    /// Its tree from the folder, if it is there.
+    Sliced make(MeshView mesh, BuildSettings settings, ContentKey content, Model& model) {
+        auto built = std::make_shared<MeshModel>();
+        const std::filesystem::path file = fileOf(content, settings);
+        co_yield 1;
+        if (!load(file, mesh, settings, built->tree)) {
+            co_await buildInSlices(mesh, settings, built->tree);
+            co_yield 1;
+            save(built->tree, settings, file);
         }
-        return tree;
+        co_await makeModelInSlices(*built);
+        const std::lock_guard lock(mutex);
+        ++builds;
+        model = std::move(built);
     }
 
     /// Of this key, if it is there.
@@ -161,7 +160,8 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
         if (known) {
             if (!sameContent(known->tree.mesh(), mesh)) {  // equal hashes, other mesh: its model is not shared
                 lock.unlock();
-                return state.countedBuild(mesh, settings);
+                state.make(mesh, settings, content, known).run();
+                return known;
             }
             ++state.hits;
             state.touch(known, leaving);
@@ -170,7 +170,8 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
         state.building.emplace(key, promise.get_future().share());
     }
     try {
-        Model model = state.countedBuild(mesh, settings);
+        Model model;
+        state.make(mesh, settings, content, model).run();
         {
             const std::lock_guard lock(state.mutex);
             state.building.erase(key);
@@ -207,22 +208,14 @@ Sliced ModelCache::getInSlices(MeshView mesh, BuildSettings settings, std::share
             co_return;
         }
     }
-    auto built = std::make_shared<MeshModel>();
-    const std::filesystem::path file = state.fileOf(content, settings);
-    co_yield 1;
-    if (!state.load(file, mesh, settings, built->tree)) {
-        co_await buildInSlices(mesh, settings, built->tree);
-        co_yield 1;
-        state.save(built->tree, settings, file);
-    }
-    co_await makeModelInSlices(*built);
+    Model made;
+    co_await state.make(mesh, settings, content, made);
     std::list<Model> leaving;
     const std::lock_guard lock(state.mutex);
-    ++state.builds;
     if (!isOther) {
-        state.publish(key, built, leaving);
+        state.publish(key, made, leaving);
     }
-    model = std::move(built);
+    model = std::move(made);
 }
 
 void ModelCache::setFolder(std::filesystem::path folder) {
