@@ -3,11 +3,14 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/plugin/preload/take_over.hpp>
@@ -30,10 +33,19 @@ std::filesystem::path findLibrary() {
     for (const char* place : {GRAPESHOT_PRELOAD_PLACES}) {
         const std::filesystem::path library = folder / place / "libgrapeshot-preload.so";
         if (std::filesystem::exists(library)) {
-            return std::filesystem::canonical(library);
+            const std::filesystem::path found = std::filesystem::canonical(library);
+            if (found.string().find_first_of(" :") != std::string::npos) {
+                throw Error(Fault::badFile, "the loader takes no path with a space or a colon", found.string());
+            }
+            return found;
         }
     }
     throw Error(Fault::badFile, "not found beside the tool", "libgrapeshot-preload.so");
+}
+
+/// A program may have been started by another that was; its settings are not this one's.
+void set(const char* variable, const std::string& value) {
+    value.empty() ? unsetenv(variable) : setenv(variable, value.c_str(), 1);
 }
 
 ExitCode runPreloaded(const PreloadOptions& options) {
@@ -42,17 +54,11 @@ ExitCode runPreloaded(const PreloadOptions& options) {
         libraries += std::string(":") + others;
     }
     setenv("LD_PRELOAD", libraries.c_str(), 1);
-    if (!options.logFile.empty()) {
-        // The program may change its folder.
-        setenv(preload::logVariable, std::filesystem::absolute(options.logFile).c_str(), 1);
-    }
-    if (options.budget > 0) {
-        setenv(preload::budgetVariable, std::to_string(options.budget).c_str(), 1);
-    }
-    if (options.exact) {
-        setenv(preload::exactVariable, "1", 1);
-    }
-    setenv(preload::processVariable, std::to_string(getpid()).c_str(), 1);
+    // The program may change its folder.
+    set(preload::logVariable, options.logFile.empty() ? "" : std::filesystem::absolute(options.logFile).string());
+    set(preload::budgetVariable, options.budget > 0 ? std::to_string(options.budget) : "");
+    set(preload::exactVariable, options.exact ? "1" : "");
+    set(preload::processVariable, std::to_string(getpid()));
     std::vector<char*> arguments;
     for (const std::string& argument : options.program) {
         arguments.push_back(const_cast<char*>(argument.c_str()));

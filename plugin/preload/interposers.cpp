@@ -40,11 +40,18 @@ void* bulletsOwn(const char* name) {
             if (std::string_view(info->dlpi_name).find(libraryName) == std::string_view::npos) {
                 return 0;
             }
-            if (void* library = dlopen(info->dlpi_name, RTLD_LAZY | RTLD_NOLOAD)) {
-                wanted.found = dlsym(library, wanted.name);
-                dlclose(library);  // the program has it open
+            // Stays loaded: what is found is kept, and the program may close and open its plugin again.
+            void* library = dlopen(info->dlpi_name, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+            void* own = library != nullptr ? dlsym(library, wanted.name) : nullptr;
+            if (own != nullptr) {
+                if (wanted.found != nullptr && own != wanted.found) {
+                    logLine("two Bullets are loaded, and it can't be told whose " + std::string(wanted.name) +
+                            " is called");
+                    std::abort();
+                }
+                wanted.found = own;
             }
-            return wanted.found != nullptr ? 1 : 0;
+            return 0;
         },
         &search);
     return search.found;
@@ -112,7 +119,8 @@ struct AtTheEnd {
     ~AtTheEnd() {
         const char* process = std::getenv(grapeshot::preload::processVariable);
         if (partner() == nullptr && process != nullptr && process == std::to_string(getpid())) {
-            logLine("no collision dispatcher was made by way of a shared Bullet: nothing was taken over");
+            logLine(
+                "no collision dispatcher was made by way of a shared Bullet: nothing was taken over in this process");
         }
     }
 } const atTheEnd;

@@ -90,7 +90,8 @@ class Taken {
     };
 
     Taken() {
-        if (std::getenv(preload::exactVariable) != nullptr) {
+        const char* exact = std::getenv(preload::exactVariable);
+        if (exact != nullptr && std::strcmp(exact, "") != 0 && std::strcmp(exact, "0") != 0) {
             m_settings = Settings::exact();
         }
         if (const char* text = std::getenv(preload::budgetVariable)) {

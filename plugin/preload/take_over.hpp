@@ -21,7 +21,7 @@ inline constexpr char letGoName[] = "grapeshotLetGo";
 /// Settings of the preloaded library come by the environment.
 inline constexpr char logVariable[] = "GRAPESHOT_PRELOAD_LOG";        ///< file to append to; else standard error
 inline constexpr char budgetVariable[] = "GRAPESHOT_PRELOAD_BUDGET";  ///< Settings::pairBudget.work, 1 or more
-inline constexpr char exactVariable[] = "GRAPESHOT_PRELOAD_EXACT";    ///< set: Settings::exact()
+inline constexpr char exactVariable[] = "GRAPESHOT_PRELOAD_EXACT";    ///< neither empty nor 0: Settings::exact()
 
 /// Of the process that says so if nothing could be taken over; its children may have no Bullet at all.
 inline constexpr char processVariable[] = "GRAPESHOT_PRELOAD_PROCESS";

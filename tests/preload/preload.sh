@@ -10,7 +10,7 @@ fail() {
     exit 1
 }
 
-# expect NAME HEIGHT(low|high) LOGLINE COMMAND...
+# with NAME LOGLINE ARGUMENTS...: the ring rests, and the log has the line.
 with() {
     local name=$1 line=$2
     shift 2
@@ -42,8 +42,18 @@ GRAPESHOT_PRELOAD_BUDGET=many LD_PRELOAD=$library "$program" >"$work/out" 2>"$wo
 grep -q "GRAPESHOT_PRELOAD_BUDGET is 'many'" "$work/err" || fail "bad budget: $(cat "$work/err")"
 grep -q "$taken" "$work/err" || fail "on standard error: $(cat "$work/err")"
 
+# Settings of a program around it are not its own.
+"$tool" preload --log "$work/outer" --exact -- "$tool" preload --log "$work/inner" -- "$program" >/dev/null
+grep -q "$taken" "$work/inner" || fail "nested: $(cat "$work/inner")"
+mkdir -p "$work/a folder/bin" "$work/a folder/plugin/preload"
+cp "$tool" "$work/a folder/bin/grapeshot"
+cp "$library" "$work/a folder/plugin/preload/"
+code=0
+LD_LIBRARY_PATH=$(dirname "$library")/..:$(dirname "$library")/../.. "$work/a folder/bin/grapeshot" preload -- "$program" >"$work/out" 2>"$work/err" || code=$?
+[ $code = 2 ] && grep -q 'space or a colon' "$work/err" || fail "a path with a space: $code, $(cat "$work/err")"
+
 "$tool" preload --log "$work/none" -- true
-grep -q 'nothing was taken over' "$work/none" || fail "without Bullet: $(cat "$work/none")"
+grep -q 'nothing was taken over in this process' "$work/none" || fail "without Bullet: $(cat "$work/none")"
 
 code=0
 "$tool" preload -- "$work/no such program" 2>"$work/err" || code=$?
