@@ -32,7 +32,7 @@ struct Calibration {
     /// ones share no row.
     [[nodiscard]] static constexpr std::size_t rowOf(std::uint64_t steps) noexcept {
         if (steps <= 16) {
-            return static_cast<std::size_t>(steps - 1);
+            return static_cast<std::size_t>(steps > 0 ? steps - 1 : 0);
         }
         return steps <= 24 ? 16 : steps <= 32 ? 17 : steps <= 48 ? 18 : steps <= 64 ? 19 : 20;
     }

@@ -4,6 +4,7 @@
 #include <grapeshot/adb/detail/tree_contents.hpp>
 #include <grapeshot/adb/tree_builder.hpp>
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/core/mesh_report.hpp>
 
 namespace grapeshot {
 
@@ -13,7 +14,6 @@ Sliced refitInSlices(Tree& tree, std::span<const Eigen::Vector3f> vertices) {
                     std::to_string(vertices.size()) + " vertices, built on " + std::to_string(tree.vertices.size()),
                     "refit");
     }
-    constexpr float largest = 1e15F;  // as requireUsable has it
     const auto check = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -21,7 +21,7 @@ Sliced refitInSlices(Tree& tree, std::span<const Eigen::Vector3f> vertices) {
                 if (!std::isfinite(x)) {
                     throw Error(Fault::notFinite, std::to_string(x), "vertex " + std::to_string(i));
                 }
-                if (std::abs(x) > largest) {
+                if (std::abs(x) > largestCoordinate) {
                     throw Error(Fault::tooLarge, std::to_string(x), "vertex " + std::to_string(i));
                 }
             }

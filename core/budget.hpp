@@ -12,8 +12,8 @@ inline constexpr std::chrono::nanoseconds never = std::chrono::nanoseconds::max(
 
 /// An upper limit on the work of one query. Work is counted in calls of a 16-wide kernel (16 node pairs, triangle
 /// pairs, ...), so that the same budget gives the same bytes on every machine. Time is a second, opt-in stop, looked at
-/// every 32 units, and gives up reproducibility. A budget of zero (or less) returns at once with what is known without
-/// work; it is not an error.
+/// every 32 units or oftener, and gives up reproducibility. A budget of zero (or less) returns at once with what is
+/// known without work; it is not an error.
 struct Budget {
     std::uint64_t work = unlimited;
     std::chrono::nanoseconds time = never;

@@ -17,7 +17,6 @@ namespace grapeshot {
 
 namespace {
 
-constexpr float largestCoordinate = 1e15F;
 /// Indices and node references are 31 bit.
 constexpr std::size_t largestCount = 0x7ffffffeU;
 constexpr double leastRelativeHeight = 1e-6;

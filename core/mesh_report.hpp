@@ -39,9 +39,12 @@ struct MeshReport {
 /// The report in words, a line per finding; for people.
 [[nodiscard]] std::string describe(const MeshReport& report);
 
+/// Larger ones are refused: their squares would leave single precision's range in the kernels.
+inline constexpr float largestCoordinate = 1e15F;
+
 /// Throws Error (emptyMesh, notFinite, indexOutOfRange, noSurface, tooLarge) if a tree cannot be built on the mesh; the
-/// message names the value and the first place. Open, non-manifold and inside-out meshes pass. Coordinates beyond 1e15
-/// are tooLarge: their squares would leave single precision's range in the kernels.
+/// message names the value and the first place. Open, non-manifold and inside-out meshes pass. Coordinates beyond
+/// largestCoordinate are tooLarge.
 void requireUsable(MeshView mesh);
 
 }  // namespace grapeshot

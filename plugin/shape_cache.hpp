@@ -28,9 +28,9 @@ void notifyChanged(const btCollisionShape* shape) noexcept;
 /// depends on what the process has met before: for the same bytes in every run, call this.
 Status prebuild(const btCollisionShape* shape) noexcept;
 
-/// Trees of all shapes of the process are kept in this folder too from now on, and read from it, which takes a tenth of
-/// the time; one file is read or written at once. It is made when needed; "" is nowhere, as in the beginning. A file
-/// that is of no use is ignored, and counted.
+/// Trees of all shapes of the process are kept in this folder too from now on, and read from it; one file is read or
+/// written at once. It is made when needed; "" is nowhere, as in the beginning. A file that is of no use is ignored,
+/// and counted.
 Status keepTrees(const char* folder) noexcept;
 
 /// Since the process began.

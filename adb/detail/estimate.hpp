@@ -63,7 +63,7 @@ inline void startCut(Cut& cut) noexcept {
     cut.steps = 0;
 }
 
-/// Of Tree::stepRates, after one step or more.
+/// Index of Tree::stepRates, after one step or more.
 [[nodiscard]] constexpr std::size_t stepRateOf(std::uint64_t steps) noexcept {
     return static_cast<std::size_t>(steps <= 2 ? steps - 1 : steps <= 4 ? 2 : 3);
 }

@@ -53,10 +53,6 @@ void Context::take(btCollisionDispatcher& dispatcher, Table table, int first, in
 
 namespace {
 
-bool isSolidType(int type) {
-    return type == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(type);
-}
-
 /// Is the place one that these settings take?
 bool isWanted(const Cell& cell, const Settings& settings) {
     const bool gimpact = cell.first == GIMPACT_SHAPE_PROXYTYPE || cell.second == GIMPACT_SHAPE_PROXYTYPE;

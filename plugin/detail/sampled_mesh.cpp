@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <grapeshot/core/mesh_report.hpp>
+
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
@@ -15,14 +17,13 @@ using Corners = std::array<Eigen::Vector3f, 3>;
 
 /// False if it is none that a tree could be built on.
 bool readCorners(const PartSource& source, int index, Corners& corners) {
-    constexpr float largest = 1e15F;  // as requireUsable has it
     const Triangle triangle = source.triangle(index);
     for (std::size_t i = 0; i < 3; ++i) {
         if (triangle[i] >= static_cast<std::uint32_t>(source.vertices)) {
             return false;
         }
         corners[i] = source.vertex(static_cast<int>(triangle[i]));
-        if (!corners[i].allFinite() || corners[i].cwiseAbs().maxCoeff() > largest) {
+        if (!corners[i].allFinite() || corners[i].cwiseAbs().maxCoeff() > largestCoordinate) {
             return false;
         }
     }

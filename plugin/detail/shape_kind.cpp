@@ -40,9 +40,12 @@ bool isMesh(const btCollisionShape& shape) {
            type == MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
 }
 
+bool isSolidType(int shapeType) {
+    return shapeType == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(shapeType);
+}
+
 bool isSolid(const btCollisionShape& shape) {
-    const int type = shape.getShapeType();
-    return type == STATIC_PLANE_PROXYTYPE || btBroadphaseProxy::isConvex(type);
+    return isSolidType(shape.getShapeType());
 }
 
 PairKind kindOf(const btCollisionShape& first, const btCollisionShape& second, const Settings& settings) {

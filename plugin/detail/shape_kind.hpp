@@ -14,7 +14,8 @@ namespace detail {
 /// One of GImpact's kinds, compound included.
 [[nodiscard]] bool isGImpact(const btCollisionShape& shape);
 [[nodiscard]] bool isGImpactCompound(const btCollisionShape& shape);
-/// A plane or a convex shape.
+/// A plane or a convex shape, by its type.
+[[nodiscard]] bool isSolidType(int shapeType);
 [[nodiscard]] bool isSolid(const btCollisionShape& shape);
 
 enum class PairKind {
