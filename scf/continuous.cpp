@@ -16,13 +16,9 @@ constexpr float largestTurn =
 constexpr int mostParts = 4096;
 constexpr int drawBits = 16;  // random numbers of a part: more than there are
 
-bool isShare(float share) {
-    return share >= 0 && share <= 1;
-}
-
 bool isUsable(const ImpactSettings& s) {
     return std::isfinite(s.maxDistance) && s.maxDistance >= 0 && std::isfinite(s.tolerance) && s.tolerance > 0 &&
-           std::isfinite(s.exclusion) && s.exclusion >= 0 && isShare(s.diveShare) && isShare(s.auditShare);
+           std::isfinite(s.exclusion) && s.exclusion >= 0 && s.auditShare >= 0 && s.auditShare <= 1;
 }
 
 std::optional<Fault> faultIn(const SurfaceMotion& motion, const Surface& surface) {
@@ -108,11 +104,7 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
         }
         detail::ImpactSearch search(space, meter, key, static_cast<std::uint32_t>(part) << drawBits, result.work,
                                     scratch);
-        const std::uint64_t left = meter.left(result.work);
-        const std::uint64_t spare = shareOf(left, settings.auditShare);
-        if (!meter.isUnlimited() && settings.diveShare > 0) {
-            result.dives += search.dive(left - std::min(left, shareOf(left, settings.diveShare)));
-        }
+        const std::uint64_t spare = shareOf(meter.left(result.work), settings.auditShare);
         bool finished = search.run(spare);
         if (!finished && part + 1 == parts) {
             search.audit(result.miss);

@@ -33,9 +33,6 @@ struct ImpactSettings {
     /// m, >= 0, a body with itself: pairs of triangles whose centroids were at most so far apart at rest are left out,
     /// and pairs that share a vertex.
     float exclusion = 0;
-    /// Share of a limited budget that goes into random dives before the search by time, 0..1, until one finds an
-    /// impact. They seldom find one that the search would not (see README.md).
-    float diveShare = 0;
     /// Share of a limited budget that stays for the uniform sample, if the search does not end before, 0..1. With 0
     /// there is no bound on what was missed.
     float auditShare = 0.25F;
@@ -70,7 +67,6 @@ struct ImpactResult {
     /// which a uniform sample was searched to the end. `hits`, `missed` and `missedBound` count those with an impact
     /// earlier than what had been found by then. Infinite if the part of the step that it ended in was not the last.
     MissEstimate miss;
-    std::uint32_t dives = 0;
 };
 
 /// A query for one pair of bodies; keeps its memory from call to call and no more, so that every answer depends on its

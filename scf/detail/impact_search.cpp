@@ -10,7 +10,6 @@ constexpr float smallestStep = 2.4e-7F;   // of the part: below it time hardly g
 constexpr float timeRounding = 1 - 1.2e-7F;
 constexpr std::size_t worthACall = 6;  // triangle pairs that are due before the next piece
 constexpr int roundsInARow = 4;
-constexpr std::uint32_t mostDives = 256;
 constexpr double priceOfASample = 24;  // units, more than most cost
 constexpr double caution = 0.75;       // what is not finished counts as a hit
 
@@ -94,8 +93,7 @@ void ImpactSearch::open(ImpactFront& front) {
     }
     ChildPairs children;
     float time[16];
-    float depth[16];
-    m_work += m_space.expand({next.a, next.b}, m_limit, children, time, depth);
+    m_work += m_space.expand({next.a, next.b}, m_limit, children, time);
     for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
         const auto lane = static_cast<unsigned>(std::countr_zero(left));
         const BallPair pair = children.at(lane);
@@ -152,47 +150,6 @@ void ImpactSearch::advanceEarliest(ImpactFront& front) {
             put(front.triangles, {time[lane], pairs[lane].a, pairs[lane].b});
         }
     }
-}
-
-bool ImpactSearch::diveOnce() {
-    BallPair pair{0, 0};
-    ChildPairs children;
-    float time[16];
-    float depth[16];
-    while (!isBallLeaf(pair.a) || !isBallLeaf(pair.b)) {
-        m_work += m_space.expand(pair, m_limit, children, time, depth);
-        float sum = 0;
-        for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
-            const auto lane = static_cast<unsigned>(std::countr_zero(left));
-            sum += depth[lane] * depth[lane];
-        }
-        float place = randomUnit(m_key, m_draw++) * sum;
-        unsigned chosen = 16;
-        for (std::uint32_t left = children.mask; left != 0U && (chosen == 16 || place >= 0); left &= left - 1U) {
-            chosen = static_cast<unsigned>(std::countr_zero(left));
-            place -= depth[chosen] * depth[chosen];
-        }
-        if (chosen == 16) {
-            return pair.a != 0 || pair.b != 0;
-        }
-        pair = children.at(chosen);
-    }
-    openLeaves(m_scratch.side, ballIndex(pair.a), ballIndex(pair.b));
-    return true;
-}
-
-std::uint32_t ImpactSearch::dive(std::uint64_t spare) {
-    std::uint32_t dives = 0;
-    while (!m_impact && dives < mostDives && hasMoreThan(spare)) {
-        ++dives;
-        m_scratch.side.clear();
-        if (!diveOnce()) {
-            break;
-        }
-        run(m_scratch.side, spare);
-    }
-    m_scratch.side.clear();
-    return dives;
 }
 
 void ImpactSearch::audit(MissEstimate& miss) {

@@ -1,4 +1,4 @@
-// The first impact of two ball trees in motion: by time, by random dives, and by a uniform sample of what is left.
+// The first impact of two ball trees in motion: by time, and by a uniform sample of what is left.
 #pragma once
 
 #include <cstdint>
@@ -47,9 +47,6 @@ class ImpactSearch {
 
     /// By time, until there is nothing earlier than the limit, or less than `spare` units are left. True: exhausted.
     bool run(std::uint64_t spare);
-    /// Random ways down to two leaves, the deepest likeliest, until less than `spare` units are left or one finds an
-    /// impact. Returns how many.
-    std::uint32_t dive(std::uint64_t spare);
     /// Searches a uniform sample of what waits.
     void audit(MissEstimate& miss);
 
@@ -66,8 +63,6 @@ class ImpactSearch {
     void openLeaves(ImpactFront& front, std::uint32_t leafA, std::uint32_t leafB);
     void advanceEarliest(ImpactFront& front);
     void dropLate(ImpactFront& front) const;
-    /// False: the bodies as a whole do not meet.
-    bool diveOnce();
     [[nodiscard]] bool hasMoreThan(std::uint64_t spare);
 
     const ImpactSpace& m_space;

@@ -22,12 +22,11 @@ struct ImpactSpace {
 
     /// Sixteen pairs of swept balls: one unit, two for a body with itself. Not both leaves.
     /// @param limit pairs that do not meet before are left out
-    std::uint64_t expand(const BallPair& pair, float limit, ChildPairs& out, float (&time)[16],
-                         float (&depth)[16]) const {
+    std::uint64_t expand(const BallPair& pair, float limit, ChildPairs& out, float (&time)[16]) const {
         const OpenPiece<MovingTree, SweptBalls> pieceA(*a, pair.a, false, isSelf(), out.a);
         const OpenPiece<MovingTree, SweptBalls> pieceB(*b, pair.b, false, isSelf(), out.b);
-        out.mask = lanesOf(pieceA.count, pieceB.count) &
-                   sweptBallsMeet(*pieceA.balls, *pieceB.balls, margin(), limit, time, depth);
+        out.mask =
+            lanesOf(pieceA.count, pieceB.count) & sweptBallsMeet(*pieceA.balls, *pieceB.balls, margin(), limit, time);
         if (!isSelf()) {
             return 1;
         }

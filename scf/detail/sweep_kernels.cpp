@@ -14,7 +14,7 @@ namespace grapeshot::detail::HWY_NAMESPACE {
 
 struct Meeting16 {
     Mask16 meets;
-    Float16 time, depth;
+    Float16 time;
 };
 
 HWY_INLINE Float16 longest(Vector16 v) {
@@ -45,19 +45,16 @@ HWY_INLINE Meeting16 meetingOf(Vector16 d, Vector16 w, Float16 sum, Float16 limi
     Meeting16 meeting;
     meeting.meets = !apart;
     meeting.time = select(inside, zero, time);
-    meeting.depth = max(one16 - sqrt(pp) / max(radius, wide(1e-30F)), zero);
     return meeting;
 }
 
-std::uint32_t ballsMeetKernel(const SweptBalls& a, const SweptBalls& b, float reach, float limit, float (&time)[16],
-                              float (&depth)[16]) {
+std::uint32_t ballsMeetKernel(const SweptBalls& a, const SweptBalls& b, float reach, float limit, float (&time)[16]) {
     const Vector16 d = Vector16{spreadA(a.center[0]), spreadA(a.center[1]), spreadA(a.center[2])} -
                        Vector16{repeatB(b.center[0]), repeatB(b.center[1]), repeatB(b.center[2])};
     const Vector16 w = Vector16{spreadA(a.path[0]), spreadA(a.path[1]), spreadA(a.path[2])} -
                        Vector16{repeatB(b.path[0]), repeatB(b.path[1]), repeatB(b.path[2])};
     const Meeting16 meeting = meetingOf(d, w, spreadA(a.radius) + repeatB(b.radius) + wide(reach), wide(limit));
     storeU(meeting.time, time);
-    storeU(meeting.depth, depth);
     return bits(meeting.meets);
 }
 
@@ -80,10 +77,10 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit, float (&time)[16],
-                             float (&depth)[16]) noexcept {
+std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit,
+                             float (&time)[16]) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(ballsMeetKernel);
-    return kernel.chosen()(a, b, reach, limit, time, depth);
+    return kernel.chosen()(a, b, reach, limit, time);
 }
 
 std::uint32_t sweptLeafMeets(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit,

@@ -27,10 +27,10 @@ struct SweptBall {
     float radius;
 };
 
-/// Bit 4 a + b: balls a and b come within `reach`, before `limit`. time[4 a + b]: not before then, a little early;
-/// depth: how far the ball of the sum of both radii is entered, 0..1. Also if a number is not finite.
+/// Bit 4 a + b: balls a and b come within `reach`, before `limit`. time[4 a + b]: not before then, a little early.
+/// Also if a number is not finite.
 [[nodiscard]] std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit,
-                                           float (&time)[16], float (&depth)[16]) noexcept;
+                                           float (&time)[16]) noexcept;
 
 /// The same for one ball and those of a leaf, bit and place as its lane.
 [[nodiscard]] std::uint32_t sweptLeafMeets(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit,

@@ -176,10 +176,9 @@ void addNeedle(const Options& options, report::Report& results) {
         const double allowed = std::max(1e-3, 1e-5 / static_cast<double>(speed));
         ImpactAnswers exact = named("by time, bound given");
         ImpactAnswers measured = named("by time, bound measured");
-        std::vector<std::pair<ImpactAnswers, std::pair<std::uint64_t, float>>> budgets;
+        std::vector<std::pair<ImpactAnswers, std::uint64_t>> budgets;
         for (const std::uint64_t work : {32U, 64U, 128U, 256U}) {
-            budgets.push_back({named(std::to_string(work) + " units"), {work, 0.25F}});
-            budgets.push_back({named(std::to_string(work) + " units, no dives"), {work, 0}});
+            budgets.emplace_back(named(std::to_string(work) + " units"), work);
         }
         ImpactAnswers once = named("at the end only", false);
         ImpactAnswers often = named("16 substeps", false);
@@ -204,9 +203,8 @@ void addNeedle(const Options& options, report::Report& results) {
             SurfaceMotion unknown = a;
             unknown.stretch = Stretch::measured();
             ask(measured, query, unknown, b, settings, unlimited, truth, allowed);
-            for (auto& [answers, how] : budgets) {
-                settings.diveShare = how.second;
-                ask(answers, query, a, b, settings, how.first, truth, allowed);
+            for (auto& [answers, work] : budgets) {
+                ask(answers, query, a, b, settings, work, truth, allowed);
             }
             once.judge(bySubsteps(once, tracker, event, given, 1), truth, allowed);
             often.judge(bySubsteps(often, tracker, event, given, 16), truth, allowed);
@@ -223,7 +221,7 @@ void addNeedle(const Options& options, report::Report& results) {
         };
         add(exact);
         add(measured);
-        for (const auto& [answers, how] : budgets) {
+        for (const auto& [answers, work] : budgets) {
             budgetFalse += answers.falseHits;
             add(answers);
         }

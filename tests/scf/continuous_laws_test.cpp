@@ -36,7 +36,7 @@ struct Scene {
     }
 };
 
-constexpr ImpactSettings fine{.tolerance = 1e-6F, .diveShare = 0.25F};
+constexpr ImpactSettings fine{.tolerance = 1e-6F};
 
 TEST(ImpactLaws, SwappedBodiesMeetAtTheSameTime) {
     const Scene scene;
@@ -143,7 +143,7 @@ TEST(ImpactLaws, MoreBudgetNeverKnowsLess) {
         for (const std::uint64_t work : {0U, 5U, 20U, 60U, 200U, 1000U, 20'000U}) {
             // Without chance the search by time goes on where a shorter one stops.
             ImpactSettings settings = fine;
-            settings.diveShare = settings.auditShare = 0;
+            settings.auditShare = 0;
             const ImpactResult plain = query.find(event.a.motion(), event.b.motion(), settings, {.work = work});
             EXPECT_GE(plain.freeUntil, before);
             before = plain.freeUntil;
@@ -332,7 +332,6 @@ std::vector<std::byte> bytesOf(const ImpactResult& result) {
     append(bytes, result.miss.unknown);
     append(bytes, result.miss.hits);
     append(bytes, result.miss.missedBound);
-    append(bytes, result.dives);
     if (result.impact) {
         append(bytes, result.impact->time);
         append(bytes, result.impact->pair);
@@ -471,7 +470,7 @@ TEST(ImpactOddInput, IsNamed) {
     expectRefused(query, a, wrong, fine, Fault::badSetting);
     for (const ImpactSettings& bad :
          {ImpactSettings{.maxDistance = -1}, ImpactSettings{.maxDistance = nan}, ImpactSettings{.tolerance = 0},
-          ImpactSettings{.exclusion = -1}, ImpactSettings{.diveShare = 2}, ImpactSettings{.auditShare = nan}}) {
+          ImpactSettings{.exclusion = -1}, ImpactSettings{.auditShare = nan}}) {
         expectRefused(query, a, b, bad, Fault::badSetting);
     }
 }
