@@ -104,9 +104,10 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
         }
         detail::ImpactSearch search(space, meter, key, static_cast<std::uint32_t>(part) << drawBits, result.work,
                                     scratch);
-        const std::uint64_t spare = shareOf(meter.left(result.work), settings.auditShare);
-        bool finished = search.run(spare);
-        if (!finished && part + 1 == parts) {
+        // Only the last part is sampled: before it a sample could not bound what the rest of the step holds.
+        const bool isLast = part + 1 == parts;
+        bool finished = search.run(isLast ? shareOf(meter.left(result.work), settings.auditShare) : 0);
+        if (!finished && isLast) {
             search.audit(result.miss);
             finished = search.isExhausted();
         }

@@ -33,8 +33,9 @@ struct ImpactSettings {
     /// m, >= 0, a body with itself: pairs of triangles whose centroids were at most so far apart at rest are left out,
     /// and pairs that share a vertex.
     float exclusion = 0;
-    /// Share of a limited budget that stays for the uniform sample, if the search does not end before, 0..1. With 0
-    /// there is no bound on what was missed.
+    /// Share of a limited budget that stays for the uniform sample, if the search does not end before, 0..1; of a step
+    /// in parts, what is left at the last one. With 0 the sample is empty, and the bound on what was missed is all
+    /// that is still open.
     float auditShare = 0.25F;
     std::uint64_t seed = 1;
     std::uint64_t pair = 0;  ///< of the two bodies, see `pairKey`

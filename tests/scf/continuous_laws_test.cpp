@@ -171,6 +171,51 @@ TEST(ImpactLaws, MoreBudgetNeverKnowsLess) {
     EXPECT_GT(settled, 50);
 }
 
+TEST(ImpactLaws, InPartsTheBudgetIsUsedUpAndTheTimeIsHeld) {
+    const Scene scene;
+    int inBetween = 0;
+    int inTheLast = 0;
+    int early = 0;
+    int settled = 0;
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+        const Scene::Event event = scene.event(seed);
+        SurfaceMotion a = event.a.motion();
+        SurfaceMotion b = event.b.motion();
+        a.frame.turn = {0.6F, 0, 0.1F};
+        b.frame.turn = {0, 1.1F, 0.05F};  // five parts
+        ImpactQuery query(scene.a, scene.b);
+        const ImpactResult exact = query.find(a, b, fine);
+        ASSERT_TRUE(exact.certain);
+        const float first = exact.impact ? exact.impact->time : 1;
+        for (const std::uint64_t work : {20U, 60U, 200U, 500U, 1000U, 2000U, 20'000U}) {
+            const ImpactResult result = query.find(a, b, fine, {.work = work});
+            EXPECT_LE(result.work, work + 20);
+            EXPECT_LE(result.freeUntil, first);
+            ASSERT_TRUE(exact.impact || !result.impact);
+            if (result.impact) {
+                EXPECT_GE(result.impact->time, first - 1e-6F);
+                early += result.certain ? 0 : 1;
+            }
+            if (result.certain) {
+                ++settled;
+                EXPECT_EQ(result.impact.has_value(), exact.impact.has_value());
+                EXPECT_NEAR(result.freeUntil, first, 1e-6F);
+            } else if (result.freeUntil < 0.79F) {
+                ++inBetween;
+                EXPECT_GE(result.work, work);
+                EXPECT_EQ(result.miss.missedBound, std::numeric_limits<double>::infinity());
+            } else {
+                ++inTheLast;
+                EXPECT_GE(4 * result.work, 3 * work);
+            }
+        }
+    }
+    EXPECT_GT(inBetween, 50);
+    EXPECT_GT(inTheLast, 3);
+    EXPECT_GT(early, 3);
+    EXPECT_GT(settled, 30);
+}
+
 TEST(ImpactLaws, WithoutBudgetNothingIsKnown) {
     const Scene scene;
     const Scene::Event event = scene.event(1);
