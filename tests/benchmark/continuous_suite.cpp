@@ -96,14 +96,6 @@ void ask(ImpactAnswers& answers, ImpactQuery& query, const SurfaceMotion& a, con
                   allowed);
 }
 
-std::vector<Eigen::Vector3d> inDouble(const std::vector<Eigen::Vector3f>& points) {
-    std::vector<Eigen::Vector3d> result;
-    for (const Eigen::Vector3f& point : points) {
-        result.push_back(point.cast<double>());
-    }
-    return result;
-}
-
 std::vector<Eigen::Vector3f> between(const std::vector<Eigen::Vector3f>& before,
                                      const std::vector<Eigen::Vector3f>& now, float time) {
     std::vector<Eigen::Vector3f> result;
@@ -187,9 +179,8 @@ void addNeedle(const Options& options, report::Report& results) {
         const int count = (events + static_cast<int>(speeds.size()) - 1 - share) / static_cast<int>(speeds.size());
         for (int i = 0; i < count; ++i) {
             const TunnelEvent event = scene.event(speed, false, random);
-            const double truth =
-                test::meshImpact({scene.cloth.triangles, inDouble(event.clothBefore), inDouble(event.clothNow)},
-                                 {scene.needle.triangles, inDouble(event.needleBefore), inDouble(event.needleNow)});
+            const double truth = test::meshImpact({scene.cloth.triangles, event.clothBefore, event.clothNow},
+                                                  {scene.needle.triangles, event.needleBefore, event.needleNow});
             colliding += truth != test::noImpact ? 1 : 0;
             const Stretch given = Stretch::given(1.02F * std::max(measureStretch(cloth.surface, event.clothBefore),
                                                                   measureStretch(cloth.surface, event.clothNow)));
@@ -262,9 +253,8 @@ void addRigid(const Options& options, report::Report& results) {
             const scenes::Mesh placed{event.needleBefore, scene.needle.triangles};
             const BallTree placedTree = buildBallTree(placed.view());
             const FclMoving fclPlaced(placed.view());
-            const double truth = test::meshImpact(
-                {scene.cloth.triangles, inDouble(scene.cloth.vertices), inDouble(scene.cloth.vertices)},
-                {placed.triangles, inDouble(event.needleBefore), inDouble(event.needleNow)});
+            const double truth = test::meshImpact({scene.cloth.triangles, scene.cloth.vertices, scene.cloth.vertices},
+                                                  {placed.triangles, event.needleBefore, event.needleNow});
             colliding += truth != test::noImpact ? 1 : 0;
             ImpactSettings settings;
             settings.tolerance = tolerance;
@@ -379,8 +369,8 @@ void addDeforming(const Options& options, report::Report& results) {
     for (int frame = 0; frame + 1 < frames; ++frame) {
         const TrackingFrame before = twoBodiesAt(scene, 0.12F, frame, frames);
         const TrackingFrame now = twoBodiesAt(scene, 0.12F, frame + 1, frames);
-        const double truth = test::meshImpact({scene.a.triangles, inDouble(before.a), inDouble(now.a)},
-                                              {scene.b.triangles, inDouble(before.b), inDouble(now.b)});
+        const double truth =
+            test::meshImpact({scene.a.triangles, before.a, now.a}, {scene.b.triangles, before.b, now.b});
         colliding += truth != test::noImpact ? 1 : 0;
         ImpactSettings settings;
         settings.tolerance = tolerance;

@@ -241,49 +241,8 @@ void listTriangles(const BallTree& tree, BallRef ref, std::vector<std::uint32_t>
     }
 }
 
-Corners cornersOfEnd(const MovingMesh& mesh, const std::vector<Eigen::Vector3d>& end, std::uint32_t t) {
-    return {end[mesh.triangles[t][0]], end[mesh.triangles[t][1]], end[mesh.triangles[t][2]]};
-}
-
-struct TrueImpact {
-    std::uint32_t a, b;
-    double time;
-};
-
-/// Of all pairs of triangles that meet within the step.
-std::vector<TrueImpact> allImpacts(const Scene::Event& event) {
-    const MovingMesh a = event.a.exact();
-    const MovingMesh b = event.b.exact();
-    const auto boxOf = [](const MovingMesh& mesh, std::uint32_t t) {
-        Eigen::AlignedBox3d box;
-        for (const std::uint32_t v : mesh.triangles[t]) {
-            box.extend(mesh.before[v]);
-            box.extend(mesh.now[v]);
-        }
-        return box;
-    };
-    std::vector<Eigen::AlignedBox3d> boxes;
-    for (std::uint32_t j = 0; j < b.triangles.size(); ++j) {
-        boxes.push_back(boxOf(b, j));
-    }
-    std::vector<TrueImpact> result;
-    for (std::uint32_t i = 0; i < a.triangles.size(); ++i) {
-        const Eigen::AlignedBox3d box = boxOf(a, i);
-        for (std::uint32_t j = 0; j < b.triangles.size(); ++j) {
-            if (box.intersects(boxes[j])) {
-                const double time = triangleImpact(cornersOfEnd(a, a.before, i), cornersOfEnd(a, a.now, i),
-                                                   cornersOfEnd(b, b.before, j), cornersOfEnd(b, b.now, j));
-                if (time != noImpact) {
-                    result.push_back({i, j, time});
-                }
-            }
-        }
-    }
-    return result;
-}
-
 /// How many of the pairs that wait have an impact before the limit?
-std::uint64_t trueHits(const Scene& scene, const std::vector<TrueImpact>& impacts, const detail::ImpactFront& front,
+std::uint64_t trueHits(const Scene& scene, const std::vector<TriangleImpact>& impacts, const detail::ImpactFront& front,
                        double limit) {
     const auto below = [](const BallTree& tree, BallRef ref) {
         std::vector<std::uint32_t> list;
@@ -298,15 +257,16 @@ std::uint64_t trueHits(const Scene& scene, const std::vector<TrueImpact>& impact
     for (const detail::WaitingPair& pair : front.pieces) {
         const std::vector<char> belowA = below(scene.a, pair.a);
         const std::vector<char> belowB = below(scene.b, pair.b);
-        count += std::ranges::any_of(impacts, [&](const TrueImpact& impact) {
+        count += std::ranges::any_of(impacts, [&](const TriangleImpact& impact) {
             return impact.time < limit && belowA[impact.a] != 0 && belowB[impact.b] != 0;
         });
     }
     for (const detail::WaitingPair& pair : front.triangles) {
         const std::uint32_t i = scene.a.leaves[pair.a >> 4U].triangle[pair.a & 15U];
         const std::uint32_t j = scene.b.leaves[pair.b >> 4U].triangle[pair.b & 15U];
-        count += std::ranges::any_of(
-            impacts, [&](const TrueImpact& impact) { return impact.time < limit && impact.a == i && impact.b == j; });
+        count += std::ranges::any_of(impacts, [&](const TriangleImpact& impact) {
+            return impact.time < limit && impact.a == i && impact.b == j;
+        });
     }
     return count;
 }
@@ -321,10 +281,10 @@ TEST(ImpactLaws, TheBoundOnWhatWasMissedHolds) {
     double estimated = 0;
     constexpr std::uint64_t events = 8;
     std::vector<Scene::Event> event;
-    std::vector<std::vector<TrueImpact>> impacts;
+    std::vector<std::vector<TriangleImpact>> impacts;
     for (std::uint64_t seed = 0; event.size() < events; ++seed) {
         const Scene::Event next = scene.event(seed);
-        if (std::vector<TrueImpact> all = allImpacts(next); !all.empty()) {
+        if (std::vector<TriangleImpact> all = allImpacts(next.a.exact(), next.b.exact()); !all.empty()) {
             event.push_back(next);
             impacts.push_back(std::move(all));
         }

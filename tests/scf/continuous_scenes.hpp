@@ -27,15 +27,7 @@ struct MovingBody {
     [[nodiscard]] SurfaceMotion motion(const Stretch& stretch = Stretch::measured()) const {
         return {before, now, {}, stretch, {}};
     }
-    [[nodiscard]] MovingMesh exact() const {
-        MovingMesh result;
-        result.triangles = mesh.triangles;
-        for (std::size_t i = 0; i < before.size(); ++i) {
-            result.before.push_back(before[i].cast<double>());
-            result.now.push_back(now[i].cast<double>());
-        }
-        return result;
-    }
+    [[nodiscard]] MovingMesh exact() const { return {mesh.triangles, before, now}; }
 };
 
 /// At a random place, about `distance` away, on the way towards the middle or past it, bent while it goes.

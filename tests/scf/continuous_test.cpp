@@ -131,20 +131,13 @@ TEST(Impact, OfABodyWithItself) {
     const ImpactResult result = query.find(body.motion(Stretch::refitted()), settings);
     ASSERT_TRUE(result.certain);
     double truth = noImpact;
-    const MovingMesh exact = body.exact();
-    const auto cornersOfEnd = [&](const std::vector<Eigen::Vector3d>& end, std::size_t t) {
-        return Corners{end[mesh.triangles[t][0]], end[mesh.triangles[t][1]], end[mesh.triangles[t][2]]};
-    };
     const auto middle = [&](std::size_t t) {
         const Triangle& corners = mesh.triangles[t];
         return Eigen::Vector3f((mesh.vertices[corners[0]] + mesh.vertices[corners[1]] + mesh.vertices[corners[2]]) / 3);
     };
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        for (std::size_t j = i + 1; j < mesh.triangles.size(); ++j) {
-            if ((middle(i) - middle(j)).norm() > settings.exclusion) {
-                truth = std::min(truth, triangleImpact(cornersOfEnd(exact.before, i), cornersOfEnd(exact.now, i),
-                                                       cornersOfEnd(exact.before, j), cornersOfEnd(exact.now, j)));
-            }
+    for (const TriangleImpact& impact : allImpacts(body.exact(), body.exact())) {
+        if ((middle(impact.a) - middle(impact.b)).norm() > settings.exclusion) {
+            truth = std::min(truth, impact.time);
         }
     }
     ASSERT_NE(truth, noImpact);

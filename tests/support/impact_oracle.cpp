@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <support/oracle.hpp>
+
 namespace grapeshot::test {
 
 namespace {
@@ -126,7 +128,7 @@ MovingTriangle triangleOf(const MovingMesh& mesh, std::size_t t) {
     MovingTriangle result;
     for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t v = mesh.triangles[t][i];
-        result[i] = {mesh.before[v], mesh.now[v]};
+        result[i] = {mesh.before[v].cast<double>(), mesh.now[v].cast<double>()};
     }
     return result;
 }
@@ -148,8 +150,9 @@ std::vector<Box> boxesOf(const MovingMesh& mesh, std::span<const std::size_t> wh
     for (const std::size_t t : which) {
         Box box;
         for (const std::uint32_t v : mesh.triangles[t]) {
-            box.add(mesh.before[v] + from * (mesh.now[v] - mesh.before[v]));
-            box.add(mesh.before[v] + to * (mesh.now[v] - mesh.before[v]));
+            const MovingPoint corner{mesh.before[v].cast<double>(), mesh.now[v].cast<double>()};
+            box.add(corner.at(from));
+            box.add(corner.at(to));
         }
         box.low -= slack;
         box.high += slack;
@@ -162,15 +165,24 @@ std::vector<Box> boxesOf(const MovingMesh& mesh, std::span<const std::size_t> wh
 
 }  // namespace
 
-double triangleImpact(const Corners& beforeA, const Corners& nowA, const Corners& beforeB, const Corners& nowB,
-                      double from, double to) {
-    MovingTriangle a;
-    MovingTriangle b;
-    for (std::size_t i = 0; i < 3; ++i) {
-        a[i] = {beforeA[i], nowA[i]};
-        b[i] = {beforeB[i], nowB[i]};
+std::vector<TriangleImpact> allImpacts(const MovingMesh& a, const MovingMesh& b) {
+    std::vector<std::size_t> every(std::max(a.triangles.size(), b.triangles.size()));
+    std::iota(every.begin(), every.end(), std::size_t{0});
+    Box all;
+    const std::vector<Box> boxesA = boxesOf(a, std::span(every).first(a.triangles.size()), 0, 1, all);
+    const std::vector<Box> boxesB = boxesOf(b, std::span(every).first(b.triangles.size()), 0, 1, all);
+    std::vector<TriangleImpact> result;
+    for (std::size_t i = 0; i < boxesA.size(); ++i) {
+        for (std::size_t j = 0; j < boxesB.size(); ++j) {
+            if (!boxesA[i].meets(boxesB[j])) {
+                continue;
+            }
+            if (const double time = impactOf(triangleOf(a, i), triangleOf(b, j), 0, 1); time != noImpact) {
+                result.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), time});
+            }
+        }
     }
-    return impactOf(a, b, from, to);
+    return result;
 }
 
 double meshImpact(const MovingMesh& a, const MovingMesh& b) {

@@ -6,27 +6,34 @@
 // and Simulation 1997 (coplanarity of four moving points)
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include <grapeshot/core/mesh_view.hpp>
-#include <support/oracle.hpp>
 
 namespace grapeshot::test {
 
 inline constexpr double noImpact = std::numeric_limits<double>::infinity();
 
-/// First time in [from, to] at which a corner meets a face or an edge an edge; `from` if they overlap then.
-double triangleImpact(const Corners& beforeA, const Corners& nowA, const Corners& beforeB, const Corners& nowB,
-                      double from = 0, double to = 1);
-
-/// Vertices at both ends of a step.
+/// Vertices at both ends of a step, which must stay where they are.
 struct MovingMesh {
     std::span<const Triangle> triangles;
-    std::vector<Eigen::Vector3d> before, now;
+    std::span<const Eigen::Vector3f> before, now;
 };
-/// Of all pairs of triangles, `noImpact` if there is none.
+
+/// Two triangles, and the first time in the step at which a corner meets a face or an edge an edge; 0 if they overlap
+/// at its start.
+struct TriangleImpact {
+    std::uint32_t a = 0, b = 0;
+    double time = noImpact;
+};
+/// Of all pairs of triangles that meet, ascending (a, b).
+std::vector<TriangleImpact> allImpacts(const MovingMesh& a, const MovingMesh& b);
+
+/// The first of all pairs of triangles, `noImpact` if there is none. Much faster than to list them.
 double meshImpact(const MovingMesh& a, const MovingMesh& b);
 
 }  // namespace grapeshot::test
