@@ -88,7 +88,7 @@ bool ImpactSearch::run(ImpactFront& front, std::uint64_t spare) {
 void ImpactSearch::open(ImpactFront& front) {
     const WaitingPair next = take(front.pieces);
     if (isBallLeaf(next.a) && isBallLeaf(next.b)) {
-        openLeaves(front, ballIndex(next.a), ballIndex(next.b));
+        openLeaves(front, next);
         return;
     }
     ChildPairs children;
@@ -101,9 +101,11 @@ void ImpactSearch::open(ImpactFront& front) {
     }
 }
 
-void ImpactSearch::openLeaves(ImpactFront& front, std::uint32_t leafA, std::uint32_t leafB) {
+void ImpactSearch::openLeaves(ImpactFront& front, const WaitingPair& leaves) {
+    const std::uint32_t leafA = ballIndex(leaves.a);
+    const std::uint32_t leafB = ballIndex(leaves.b);
     m_work += m_space.openLeaves(leafA, leafB, m_limit, [&](unsigned laneA, unsigned laneB, float time) {
-        put(front.triangles, {time, leafA << 4U | laneA, leafB << 4U | laneB});
+        put(front.triangles, {std::max(time, leaves.time), leafA << 4U | laneA, leafB << 4U | laneB});
     });
 }
 

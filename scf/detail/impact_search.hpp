@@ -60,7 +60,7 @@ class ImpactSearch {
   private:
     bool run(ImpactFront& front, std::uint64_t spare);
     void open(ImpactFront& front);
-    void openLeaves(ImpactFront& front, std::uint32_t leafA, std::uint32_t leafB);
+    void openLeaves(ImpactFront& front, const WaitingPair& leaves);
     void advanceEarliest(ImpactFront& front);
     void dropLate(ImpactFront& front) const;
     [[nodiscard]] bool hasMoreThan(std::uint64_t spare);

@@ -140,7 +140,7 @@ TEST(ImpactLaws, MoreBudgetNeverKnowsLess) {
         const ImpactResult exact = query.find(event.a.motion(), event.b.motion(), fine);
         const float first = exact.impact ? exact.impact->time : 1;
         float before = 0;
-        for (const std::uint64_t work : {0U, 5U, 20U, 60U, 200U, 1000U, 20'000U}) {
+        for (const std::uint64_t work : {0U, 5U, 20U, 60U, 120U, 200U, 350U, 600U, 1000U, 20'000U}) {
             // Without chance the search by time goes on where a shorter one stops.
             ImpactSettings settings = fine;
             settings.auditShare = 0;
@@ -171,6 +171,35 @@ TEST(ImpactLaws, MoreBudgetNeverKnowsLess) {
     EXPECT_GT(settled, 50);
 }
 
+TEST(ImpactLaws, UnitByUnitFreeUntilNeverFalls) {
+    // Fitted balls and a thin box: the balls around its triangles reach out of those of its leaves.
+    const scenes::Mesh meshA = scenes::normalised(scenes::bumpySphere(1, 0.3F, 7, 4, 3), 1);
+    const scenes::Mesh meshB = scenes::box({0.5F, 0.02F, 0.02F}, 1);
+    const BallTree a = buildBallTree(meshA.view());
+    const BallTree b = buildBallTree(meshB.view());
+    ImpactQuery query(a, b);
+    ImpactSettings settings = fine;
+    settings.auditShare = 0;
+    int steps = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        Random random(seed);
+        const MovingBody first = passingBody(meshA, 0.1, random);
+        const MovingBody second = passingBody(meshB, random.uniform(0.6, 1.5), random);
+        float before = 0;
+        for (std::uint64_t work = 0; work < 400; ++work) {
+            const ImpactResult result = query.find(first.motion(Stretch::refitted()),
+                                                   second.motion(Stretch::refitted()), settings, {.work = work});
+            ASSERT_GE(result.freeUntil, before) << seed << " " << work;
+            steps += result.freeUntil > before ? 1 : 0;
+            before = result.freeUntil;
+            if (result.certain) {
+                break;
+            }
+        }
+    }
+    EXPECT_GT(steps, 100);
+}
+
 TEST(ImpactLaws, InPartsTheBudgetIsUsedUpAndTheTimeIsHeld) {
     const Scene scene;
     int inBetween = 0;
@@ -187,7 +216,13 @@ TEST(ImpactLaws, InPartsTheBudgetIsUsedUpAndTheTimeIsHeld) {
         const ImpactResult exact = query.find(a, b, fine);
         ASSERT_TRUE(exact.certain);
         const float first = exact.impact ? exact.impact->time : 1;
+        float before = 0;
         for (const std::uint64_t work : {20U, 60U, 200U, 500U, 1000U, 2000U, 20'000U}) {
+            ImpactSettings settings = fine;
+            settings.auditShare = 0;
+            const ImpactResult plain = query.find(a, b, settings, {.work = work});
+            EXPECT_GE(plain.freeUntil, before);
+            before = plain.freeUntil;
             const ImpactResult result = query.find(a, b, fine, {.work = work});
             EXPECT_LE(result.work, work + 20);
             EXPECT_LE(result.freeUntil, first);
