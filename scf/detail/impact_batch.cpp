@@ -1,5 +1,7 @@
 #include <grapeshot/scf/detail/impact_batch.hpp>
 
+#include <algorithm>
+
 namespace grapeshot::detail {
 namespace {
 
@@ -30,8 +32,12 @@ void ImpactBatch::load(const ImpactSpace& space, const LanePair* pairs, int coun
     for (int lane = 0; lane < batchWidth; ++lane) {
         const LanePair& pair = pairs[lane < count ? lane : 0];
         m_pairs[lane] = pair;
-        m_moving.acceleration[lane] = 0;
-        if (!space.turns()) {
+        if (space.turns()) {
+            const TrianglePair both = triangles(space, lane);
+            m_moving.acceleration[lane] =
+                static_cast<float>(space.a->accelerationOf(both.triangleA) + space.b->accelerationOf(both.triangleB));
+        } else {
+            m_moving.acceleration[lane] = 0;
             copyLane(space.a->leafBefore(pair.a >> 4U), pair.a & 15U, m_path.beforeA, lane);
             copyLane(space.a->leafNow(pair.a >> 4U), pair.a & 15U, m_path.nowA, lane);
             copyLane(space.b->leafBefore(pair.b >> 4U), pair.b & 15U, m_path.beforeB, lane);
@@ -47,10 +53,9 @@ TrianglePair ImpactBatch::triangles(const ImpactSpace& space, int lane) const {
 }
 
 void ImpactBatch::placeTurning(const ImpactSpace& space, const float (&time)[16]) {
-    for (int lane = 0; lane < batchWidth; ++lane) {
-        const int from = lane < m_count ? lane : 0;
-        const TrianglePair pair = triangles(space, from);
-        const auto at = static_cast<double>(time[from]);
+    for (int lane = 0; lane < m_count; ++lane) {
+        const TrianglePair pair = triangles(space, lane);
+        const auto at = static_cast<double>(time[lane]);
         const MovingCorners a = space.a->cornersAt(pair.triangleA, at);
         const MovingCorners b = space.b->cornersAt(pair.triangleB, at);
         m_origin[lane] = a.place[0];
@@ -65,7 +70,13 @@ void ImpactBatch::placeTurning(const ImpactSpace& space, const float (&time)[16]
                     static_cast<float>(b.velocity[corner][axis] - a.velocity[0][axis]);
             }
         }
-        m_moving.acceleration[lane] = static_cast<float>(a.acceleration + b.acceleration);
+    }
+    for (TriangleBatch* batch : {&m_moving.a, &m_moving.b, &m_moving.velocityA, &m_moving.velocityB}) {
+        for (auto& corner : batch->corner) {
+            for (auto& axis : corner) {
+                std::fill(axis + m_count, axis + batchWidth, axis[0]);
+            }
+        }
     }
 }
 

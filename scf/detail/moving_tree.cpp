@@ -157,9 +157,16 @@ MovingCorners MovingTree::cornersAt(std::uint32_t triangle, double time) const {
         const Eigen::Vector3d arm = rotation * (before + time * own);
         result.place[i] = origin + arm;
         result.velocity[i] = path / m_part.count + turn.cross(arm) + rotation * own;
-        result.acceleration = std::max(result.acceleration, acceleration(corners[i]));
     }
     return result;
+}
+
+double MovingTree::accelerationOf(std::uint32_t triangle) const {
+    double largest = 0;
+    for (const std::uint32_t corner : tree().surface.triangles[triangle]) {
+        largest = std::max(largest, acceleration(corner));
+    }
+    return largest;
 }
 
 }  // namespace grapeshot::detail

@@ -25,7 +25,6 @@ struct StepPart {
 struct MovingCorners {
     Eigen::Vector3d place[3];     ///< m
     Eigen::Vector3d velocity[3];  ///< m per part
-    double acceleration = 0;      ///< bound, m per part^2
 };
 
 /// Not for two threads. References hold until the next `begin`.
@@ -55,6 +54,8 @@ class MovingTree {
     [[nodiscard]] const PosedLeaf& leafBefore(std::uint32_t index) { return m_before.leaf(index); }
     [[nodiscard]] const PosedLeaf& leafNow(std::uint32_t index) { return m_now.leaf(index); }
     [[nodiscard]] MovingCorners cornersAt(std::uint32_t triangle, double time) const;
+    /// Bound for all corners of a triangle in all of the part, m per part^2.
+    [[nodiscard]] double accelerationOf(std::uint32_t triangle) const;
     /// Are all positions finite that were read in this part?
     [[nodiscard]] bool isFinite() const { return m_before.isFinite() && m_now.isFinite(); }
 
