@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <utility>
 
 #include <grapeshot/scf/detail/turning.hpp>
 
@@ -26,6 +28,7 @@ MovingTree::MovingTree(const BallTree& tree)
     : m_before(tree), m_now(tree), m_made(tree.nodes.size(), tree.leaves.size()) {}
 
 void MovingTree::begin(const SurfaceMotion& motion, float stretch, const StepPart& part) {
+    assert(part.index == 0 || (part.index == m_part.index + 1 && part.count == m_part.count));
     m_made.begin();
     m_frame = motion.frame;
     m_part = part;
@@ -34,22 +37,28 @@ void MovingTree::begin(const SurfaceMotion& motion, float stretch, const StepPar
     const std::span<const Eigen::Vector3f> before =
         motion.before.empty() ? std::span(tree().surface.rest) : motion.before;
     const std::span<const Eigen::Vector3f> now = motion.now.empty() ? before : motion.now;
-    m_localBefore = before;
-    m_localNow = now;
-    const double from = static_cast<double>(part.index) / part.count;
-    const double to = static_cast<double>(part.index + 1) / part.count;
-    if (part.count > 1 && now.data() != before.data()) {
-        mix(before, now, from, m_partBefore);
-        mix(before, now, to, m_partNow);
-        m_localBefore = m_partBefore;
-        m_localNow = m_partNow;
-    }
+    const bool isMixed = part.count > 1 && now.data() != before.data();
     const bool stays = !m_turns && motion.frame.path.isZero(0) && motion.frame.from.rotation.isIdentity(0) &&
                        motion.frame.from.translation.isZero(0);
-    m_poseBefore = poseAt(motion.frame, from);
-    m_poseNow = poseAt(motion.frame, to);
-    m_before.begin(m_localBefore, stays ? nullptr : &m_poseBefore, stretch);
-    m_now.begin(m_localNow, stays ? nullptr : &m_poseNow, stretch);
+    const auto beginEnd = [&](double time, std::span<const Eigen::Vector3f> whole, std::vector<Eigen::Vector3f>& mixed,
+                              PosedTree& end) {
+        if (isMixed) {
+            mix(before, now, time, mixed);
+        }
+        const std::span<const Eigen::Vector3f> local = isMixed ? mixed : whole;
+        const Pose pose = poseAt(motion.frame, time);
+        end.begin(local, stays ? nullptr : &pose, stretch);
+        return local;
+    };
+    if (part.index == 0) {
+        m_localBefore = beginEnd(0, before, m_partBefore, m_before);
+    } else {
+        // It begins where the one before ended, with what was made there.
+        std::swap(m_before, m_now);
+        m_partBefore.swap(m_partNow);
+        m_localBefore = m_localNow;
+    }
+    m_localNow = beginEnd(static_cast<double>(part.index + 1) / part.count, now, m_partNow, m_now);
 }
 
 double MovingTree::acceleration(std::uint32_t vertex) const {

@@ -32,9 +32,11 @@ class MovingTree {
   public:
     explicit MovingTree(const BallTree& tree);
 
-    /// The motion's spans must stay where they are until the next one. A surface that deforms while it turns costs O(n)
-    /// if the step has several parts.
+    /// The motion's spans must stay where they are until the next step. A surface that deforms costs O(n) in each part
+    /// of a step that has several, whether it is this body that turns or the other; one whose balls are fitted
+    /// likewise.
     /// @param stretch as PosedTree::begin
+    /// @param part parts follow each other from the first on, with the same motion: asserted of their indices
     void begin(const SurfaceMotion& motion, float stretch, const StepPart& part);
 
     [[nodiscard]] const BallTree& tree() const { return m_before.tree(); }
@@ -70,8 +72,7 @@ class MovingTree {
     [[nodiscard]] const Eigen::Vector3f& localNow(std::uint32_t vertex) const { return m_localNow[vertex]; }
 
     PosedTree m_before, m_now;
-    Pose m_poseBefore, m_poseNow;
-    std::vector<Eigen::Vector3f> m_partBefore, m_partNow;  ///< only if it deforms and turns, in several parts
+    std::vector<Eigen::Vector3f> m_partBefore, m_partNow;  ///< only if it deforms, in several parts
     std::span<const Eigen::Vector3f> m_localBefore, m_localNow;
     RigidMotion m_frame;
     StepPart m_part;
