@@ -2,30 +2,9 @@
 
 #include <algorithm>
 
+#include <grapeshot/scf/detail/lanes.hpp>
+
 namespace grapeshot::detail {
-namespace {
-
-void copyLane(const PosedLeaf& from, unsigned lane, TriangleBatch& to, int toLane) {
-    for (int corner = 0; corner < 3; ++corner) {
-        for (int axis = 0; axis < 3; ++axis) {
-            to.corner[corner][axis][toLane] = from.corner[corner][axis][lane];
-        }
-    }
-}
-
-/// B's normal; of none, up.
-Eigen::Vector3f faceNormal(const TriangleBatch& b, int lane) {
-    const auto corner = [&](int i) {
-        return Eigen::Vector3f(b.corner[i][0][lane], b.corner[i][1][lane], b.corner[i][2][lane]);
-    };
-    const Eigen::Vector3f u = corner(1) - corner(0);
-    const Eigen::Vector3f v = corner(2) - corner(0);
-    const Eigen::Vector3f n(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
-    const float area = n.norm();
-    return area > 0 ? Eigen::Vector3f(n / area) : Eigen::Vector3f::UnitY();
-}
-
-}  // namespace
 
 void ImpactBatch::load(const ImpactSpace& space, const LanePair* pairs, int count) {
     m_count = count;
@@ -103,15 +82,11 @@ Impact ImpactBatch::impactOf(const ImpactSpace& space, int lane, float time) con
             origin[axis] = before + static_cast<double>(time) * (now - before);
         }
     }
-    Eigen::Vector3f gap;
     for (int axis = 0; axis < 3; ++axis) {
         impact.onA[axis] = static_cast<float>(origin[axis] + static_cast<double>(m_out.onA[axis][lane]));
         impact.onB[axis] = static_cast<float>(origin[axis] + static_cast<double>(m_out.onB[axis][lane]));
-        gap[axis] = m_out.onA[axis][lane] - m_out.onB[axis][lane];
     }
-    const float length = gap.norm();
-    const bool overlapping = (m_out.overlapping >> static_cast<unsigned>(lane) & 1U) != 0U;
-    impact.normal = !overlapping && length > 1e-12F ? Eigen::Vector3f(gap / length) : faceNormal(m_moving.b, lane);
+    impact.normal = normalOf(m_out, m_moving.b, lane);
     impact.featureA = static_cast<std::uint8_t>(m_out.featureA[lane]);
     impact.featureB = static_cast<std::uint8_t>(m_out.featureB[lane]);
     return impact;

@@ -6,6 +6,7 @@
 
 #include <grapeshot/core/triangle_batch.hpp>
 #include <grapeshot/core/triangle_pair.hpp>
+#include <grapeshot/scf/detail/lanes.hpp>
 #include <grapeshot/scf/detail/pair_space.hpp>
 
 namespace grapeshot::detail {
@@ -20,8 +21,8 @@ class PairBatch {
     void add(const PairSpace& space, const PosedLeaf& a, unsigned laneA, std::uint32_t triangleA, const PosedLeaf& b,
              unsigned laneB, std::uint32_t triangleB) {
         const bool swap = space.isSelf() && triangleA > triangleB;
-        copyLane(a, laneA, swap ? m_b : m_a);
-        copyLane(b, laneB, swap ? m_a : m_b);
+        copyLane(a, laneA, swap ? m_b : m_a, m_count);
+        copyLane(b, laneB, swap ? m_a : m_b, m_count);
         m_pair[m_count++] = swap ? TrianglePair{triangleB, triangleA} : TrianglePair{triangleA, triangleB};
     }
     /// Straight from the positions. The same roundings.
@@ -53,20 +54,10 @@ class PairBatch {
     void forget() { m_zero = 0; }
     [[nodiscard]] const TrianglePair& pair(int lane) const { return m_pair[lane]; }
     [[nodiscard]] const DistanceBatch& out() const { return m_out; }
-    /// Corners of a lane of B, for its normal.
-    [[nodiscard]] Eigen::Vector3f cornerOfB(int corner, int lane) const {
-        const auto& c = m_b.corner[corner];
-        return {c[0][lane], c[1][lane], c[2][lane]};
-    }
+    /// B's triangles, for their normals.
+    [[nodiscard]] const TriangleBatch& b() const { return m_b; }
 
   private:
-    void copyLane(const PosedLeaf& leaf, unsigned lane, TriangleBatch& to) const {
-        for (int corner = 0; corner < 3; ++corner) {
-            for (int axis = 0; axis < 3; ++axis) {
-                to.corner[corner][axis][m_count] = leaf.corner[corner][axis][lane];
-            }
-        }
-    }
     void copyTriangle(const PosedTree& tree, std::uint32_t triangle, TriangleBatch& to) {
         for (int corner = 0; corner < 3; ++corner) {
             const Eigen::Vector3f p =

@@ -1,25 +1,12 @@
 #include <grapeshot/scf/detail/track_step.hpp>
 
+#include <grapeshot/scf/detail/lanes.hpp>
+
 namespace grapeshot::detail {
 namespace {
 
 constexpr double trackedShare = 0.6;  // of the budget, for what is known already
 constexpr double frontShare = 0.5;    // of what is left then
-
-Eigen::Vector3f normalOf(const PairBatch& batch, int lane) {
-    const DistanceBatch& out = batch.out();
-    const Eigen::Vector3f d(out.onA[0][lane] - out.onB[0][lane], out.onA[1][lane] - out.onB[1][lane],
-                            out.onA[2][lane] - out.onB[2][lane]);
-    const float length = d.norm();
-    if ((out.overlapping >> static_cast<unsigned>(lane) & 1U) == 0U && length > 1e-12F) {
-        return d / length;
-    }
-    const Eigen::Vector3f u = batch.cornerOfB(1, lane) - batch.cornerOfB(0, lane);
-    const Eigen::Vector3f v = batch.cornerOfB(2, lane) - batch.cornerOfB(0, lane);
-    const Eigen::Vector3f n(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
-    const float area = n.norm();
-    return area > 0 ? Eigen::Vector3f(n / area) : Eigen::Vector3f::UnitY();
-}
 
 TrackedContact contactOf(const PairBatch& batch, int lane) {
     const DistanceBatch& out = batch.out();
@@ -27,7 +14,7 @@ TrackedContact contactOf(const PairBatch& batch, int lane) {
     contact.pair = batch.pair(lane);
     contact.onA = {out.onA[0][lane], out.onA[1][lane], out.onA[2][lane]};
     contact.onB = {out.onB[0][lane], out.onB[1][lane], out.onB[2][lane]};
-    contact.normal = normalOf(batch, lane);
+    contact.normal = normalOf(out, batch.b(), lane);
     contact.signedDistance = out.signedDistance[lane];
     contact.featureA = static_cast<std::uint8_t>(out.featureA[lane]);
     contact.featureB = static_cast<std::uint8_t>(out.featureB[lane]);
