@@ -16,8 +16,8 @@
 #include <report/machine.hpp>
 #include <support/impact_oracle.hpp>
 
-#include "continuous_fcl.hpp"
 #include "continuous_scenes.hpp"
+#include "fcl_model.hpp"
 #include "tracking_scenes.hpp"
 
 namespace grapeshot::bench {
@@ -247,7 +247,7 @@ void addRigid(const Options& options, report::Report& results) {
     const int events = options.quick ? 6 : 60;
     const TunnelScene scene(options.quick ? 40 : 100);
     const BallTree cloth = buildBallTree(scene.cloth.view());
-    const FclMoving fclCloth(scene.cloth.view());
+    const FclModel fclCloth(scene.cloth.view());
     test::Random random(options.seed + 1);
     for (const float speed : {0.05F, 0.3F, 1.0F}) {
         std::cerr << "rigid needle at " << speed << " ...\n";
@@ -262,7 +262,7 @@ void addRigid(const Options& options, report::Report& results) {
             const Eigen::Vector3f path = event.needleNow[0] - event.needleBefore[0];
             const scenes::Mesh placed{event.needleBefore, scene.needle.triangles};
             const BallTree placedTree = buildBallTree(placed.view());
-            const FclMoving fclPlaced(placed.view());
+            const FclModel fclPlaced(placed.view());
             const double truth = test::meshImpact({scene.cloth.triangles, scene.cloth.vertices, scene.cloth.vertices},
                                                   {placed.triangles, event.needleBefore, event.needleNow});
             colliding += truth != test::noImpact ? 1 : 0;
@@ -298,8 +298,8 @@ void addTurning(const Options& options, report::Report& results) {
     const BallTree treeB = buildBallTree(meshB.view());
     const Tree boxesA = build(meshA.view());
     const Tree boxesB = build(meshB.view());
-    const FclMoving fclA(meshA.view());
-    const FclMoving fclB(meshB.view());
+    const FclModel fclA(meshA.view());
+    const FclModel fclB(meshB.view());
     ImpactQuery query(treeA, treeB);
     Query discrete(boxesA, boxesB);
     test::Random random(options.seed + 2);

@@ -2,7 +2,9 @@
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
+#include <fcl/math/motion/interp_motion.h>
 #include <fcl/narrowphase/collision.h>
+#include <fcl/narrowphase/continuous_collision.h>
 
 #include <stdexcept>
 #include <vector>
@@ -20,6 +22,16 @@ struct FclTriangles::Data {
 struct FclModel::Data {
     fcl::BVHModel<fcl::OBBRSSd> model;
 };
+
+namespace {
+
+/// About the body's origin. That of two transforms alone leaves the point unset, about which it turns.
+fcl::InterpMotion<double> motionOf(const Pose& from, const Pose& to) {
+    return {from.rotation.cast<double>(), from.translation.cast<double>(), to.rotation.cast<double>(),
+            to.translation.cast<double>(), fcl::Vector3d::Zero()};
+}
+
+}  // namespace
 
 FclPoints::FclPoints(std::span<const Eigen::Vector3f> points) {
     const auto data = std::make_shared<Data>();
@@ -66,6 +78,19 @@ bool FclModel::collides(const FclModel& b, const Pose& bInA) const {
     fcl::CollisionResultd result;
     fcl::collide(&m_data->model, fcl::Transform3d::Identity(), &b.m_data->model, pose, request, result);
     return result.isCollision();
+}
+
+std::optional<double> FclModel::impact(const Pose& from, const Pose& to, const FclModel& other, const Pose& otherFrom,
+                                       const Pose& otherTo, double timeError, FclSolver solver) const {
+    constexpr std::size_t mostIterations = 1000;
+    const fcl::ContinuousCollisionRequestd request(
+        mostIterations, timeError, fcl::CCDM_LINEAR, fcl::GST_LIBCCD,
+        solver == FclSolver::substeps ? fcl::CCDC_NAIVE : fcl::CCDC_CONSERVATIVE_ADVANCEMENT);
+    fcl::ContinuousCollisionResultd result;
+    const fcl::InterpMotion<double> motion = motionOf(from, to);
+    const fcl::InterpMotion<double> otherMotion = motionOf(otherFrom, otherTo);
+    fcl::continuousCollide(&m_data->model, &motion, &other.m_data->model, &otherMotion, request, result);
+    return result.is_collide ? std::optional(result.time_of_contact) : std::nullopt;
 }
 
 FclModel::Bytes FclModel::bytes() const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <grapeshot/core/mesh_view.hpp>
@@ -30,6 +31,9 @@ class FclTriangles {
     std::shared_ptr<const Data> m_data;
 };
 
+/// Of its continuous collision: by conservative advancement, and by substeps.
+enum class FclSolver { advancement, substeps };
+
 /// FCL as Debian ships it: double precision, oriented boxes with rectangle swept spheres. Copies share the hierarchy.
 class FclModel {
   public:
@@ -42,6 +46,13 @@ class FclModel {
 
     /// First contact only.
     [[nodiscard]] bool collides(const FclModel& b, const Pose& bInA) const;
+
+    /// Time of contact in 0..1 of both going from one pose to the other, straight and at a constant rate of turning;
+    /// nothing if there is none.
+    /// @param timeError its stop; of substeps their length
+    [[nodiscard]] std::optional<double> impact(const Pose& from, const Pose& to, const FclModel& other,
+                                               const Pose& otherFrom, const Pose& otherTo, double timeError,
+                                               FclSolver solver) const;
 
     struct Bytes {
         std::size_t nodes, mesh;  ///< mesh: vertices and indices
