@@ -120,6 +120,14 @@ double quantile(std::vector<double> values, double q) {
     return nearestRank(values, q);
 }
 
+double mean(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) {
+        sum += value;
+    }
+    return values.empty() ? notApplicable : sum / static_cast<double>(values.size());
+}
+
 double geometricMean(const std::vector<double>& values) {
     double sum = 0;
     for (const double value : values) {
@@ -134,11 +142,7 @@ Quantiles quantiles(std::vector<double> values) {
     }
     std::ranges::sort(values);
     const auto rank = [&](double q) { return nearestRank(values, q); };
-    double sum = 0;
-    for (const double value : values) {
-        sum += value;
-    }
-    return {rank(0.5), rank(0.95), rank(0.99), values.back(), sum / static_cast<double>(values.size())};
+    return {rank(0.5), rank(0.95), rank(0.99), values.back(), mean(values)};
 }
 
 double median(std::vector<double> values) {

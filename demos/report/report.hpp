@@ -26,6 +26,9 @@ struct Quantiles {
 /// The value of that rank, q in 0..1, nearest rank; not applicable if there are no values.
 [[nodiscard]] double quantile(std::vector<double> values, double q);
 
+/// Not applicable if there are no values.
+[[nodiscard]] double mean(const std::vector<double>& values);
+
 /// Of values > 0 (0 if one is 0); not applicable if there are none.
 [[nodiscard]] double geometricMean(const std::vector<double>& values);
 

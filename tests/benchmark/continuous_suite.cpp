@@ -51,14 +51,6 @@ struct ImpactAnswers {
     }
 };
 
-double meanOrNone(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) {
-        sum += value;
-    }
-    return values.empty() ? report::notApplicable : sum / static_cast<double>(values.size());
-}
-
 report::Row rowOf(const std::string& scenario, const std::string& mesh, std::size_t triangles,
                   const ImpactAnswers& answers, const ImpactAnswers& peer, std::size_t colliding) {
     report::Row row;
@@ -74,10 +66,9 @@ report::Row rowOf(const std::string& scenario, const std::string& mesh, std::siz
     }
     row.colliding = static_cast<double>(colliding);
     row.timeUs = report::quantiles(answers.us);
-    row.timeUs.mean = meanOrNone(answers.us);
-    row.ratio = meanOrNone(peer.us) / row.timeUs.mean;
+    row.ratio = report::mean(peer.us) / row.timeUs.mean;
     if (!answers.work.empty()) {
-        row.work = {{"mean", meanOrNone(answers.work)},
+        row.work = {{"mean", report::mean(answers.work)},
                     {"p99", report::quantile(answers.work, 0.99)},
                     {"max", *std::ranges::max_element(answers.work)}};
     }
@@ -364,7 +355,7 @@ void addTurning(const Options& options, report::Report& results) {
         claim("impacts after the start at which they overlap already", late);
         if (!options.quick) {
             results.claims.push_back({"turning, " + name + ": FCL 1000 substeps / ours",
-                                      meanOrNone(steps.us) / meanOrNone(ours.us), true, 1});
+                                      report::mean(steps.us) / report::mean(ours.us), true, 1});
         }
     }
 }

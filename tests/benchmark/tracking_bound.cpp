@@ -96,10 +96,7 @@ void addBoundRows(std::uint64_t seed, int frames, report::Report& results) {
     for (const Case& one : {Case{"bound, cold", 1'200, 1}, Case{"bound, tracked", 1'200, 1 << 30},
                             Case{"bound, ample budget", 6'000, 1 << 30}}) {
         const BoundTally tally = tallyOf(seed, frames, one.work, one.forgetEvery);
-        double mean = 0;
-        for (const double held : tally.heldPerBlock) {
-            mean += held / static_cast<double>(tally.heldPerBlock.size());
-        }
+        const double mean = report::mean(tally.heldPerBlock);
         double variance = 0;
         for (const double held : tally.heldPerBlock) {
             variance += (held - mean) * (held - mean);

@@ -29,10 +29,6 @@ report::Row rowOf(const char* method, const std::vector<double>& us) {
     row.peer = "boxes refitted";
     row.n = us.size();
     row.timeUs = report::quantiles(us);
-    row.timeUs.mean = 0;
-    for (const double one : us) {
-        row.timeUs.mean += one / static_cast<double>(us.size());
-    }
     return row;
 }
 

@@ -69,14 +69,6 @@ std::pair<double, double> recallAt(const MethodRun& run, int age) {
     return {all > 0 ? found / all : report::notApplicable, all};
 }
 
-double meanOf(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) {
-        sum += value;
-    }
-    return values.empty() ? report::notApplicable : sum / static_cast<double>(values.size());
-}
-
 class SceneRun {
   public:
     SceneRun(const SceneSpec& spec, std::uint64_t seed) : m_spec(spec), m_treeA(buildBallTree(spec.scene.a.view())) {
@@ -101,7 +93,7 @@ class SceneRun {
     }
 
     [[nodiscard]] const MethodRun& of(const std::string& name) const { return m_runs.at(name); }
-    [[nodiscard]] double mean(const std::string& name) const { return meanOf(m_runs.at(name).us); }
+    [[nodiscard]] double mean(const std::string& name) const { return report::mean(m_runs.at(name).us); }
 
     void addRows(const std::string& peer, report::Report& results) const {
         for (const std::string& name : m_order) {
@@ -114,13 +106,12 @@ class SceneRun {
             row.peer = peer;
             row.n = run.us.size();
             row.timeUs = report::quantiles(run.us);
-            row.timeUs.mean = meanOf(run.us);
             row.ratio = mean(peer) / row.timeUs.mean;
             if (!run.work.empty()) {
-                row.work = {{"mean", meanOf(run.work)}, {"max", *std::ranges::max_element(run.work)}};
+                row.work = {{"mean", report::mean(run.work)}, {"max", *std::ranges::max_element(run.work)}};
             }
             if (!run.coverage.empty()) {
-                row.measured.emplace_back("coverage", meanOf(run.coverage));
+                row.measured.emplace_back("coverage", report::mean(run.coverage));
                 for (const int age : {1, 2, 4, 0}) {
                     if (m_spec.scene.isSelf()) {
                         break;  // one region from end to end
@@ -273,7 +264,6 @@ void addFclRow(const SceneSpec& spec, double ourUs, report::Report& results) {
     row.peer = "boxes refitted";
     row.n = us.size();
     row.timeUs = report::quantiles(us);
-    row.timeUs.mean = meanOf(us);
     row.ratio = ourUs / row.timeUs.mean;
     results.rows.push_back(row);
 }
@@ -359,14 +349,16 @@ report::Report runTrackingSuite(const Options& options) {
             budgetUs.push_back(run.mean("budget, bound given"));
             sharedUs.push_back(run.mean(spec.budget == sharedBudget ? "budget, bound given" : sharedName));
             claim(name + ": worst frame / mean, work of the budget mode",
-                  *std::ranges::max_element(budget.work) / meanOf(budget.work), false, 3);
-            claim(name + ": coverage at resolution", meanOf(run.of("resolution, bound given").coverage), true, 0.999);
+                  *std::ranges::max_element(budget.work) / report::mean(budget.work), false, 3);
+            claim(name + ": coverage at resolution", report::mean(run.of("resolution, bound given").coverage), true,
+                  0.999);
             const std::size_t triangles = spec.scene.a.triangles.size();
             if (quick || triangles < 50'000) {
                 continue;
             }
             const bool large = triangles > 500'000;
-            claim(name + ": coverage at one tube radius, budget", meanOf(budget.coverage), true, large ? 0.97 : 0.995);
+            claim(name + ": coverage at one tube radius, budget", report::mean(budget.coverage), true,
+                  large ? 0.97 : 0.995);
             claim(name + ": exact / budget", run.mean("exact, bound given") / budgetUs.back(), true, large ? 40 : 8);
         }
         if (!quick) {
