@@ -3,9 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
+#include <grapeshot/core/bytes.hpp>
 #include <grapeshot/core/rate_bound.hpp>
 #include <grapeshot/scf/detail/impact_search.hpp>
 
@@ -358,30 +358,24 @@ TEST(ImpactLaws, TheBoundOnWhatWasMissedHolds) {
     EXPECT_GE(upperRate(judged - failed, judged, 0.99), 0.95);  // not significantly below
 }
 
-template <class Value>
-void append(std::vector<std::byte>& bytes, const Value& value) {
-    const auto* from = reinterpret_cast<const std::byte*>(&value);
-    bytes.insert(bytes.end(), from, from + sizeof value);
-}
-
 std::vector<std::byte> bytesOf(const ImpactResult& result) {
     std::vector<std::byte> bytes;
-    append(bytes, result.freeUntil);
-    append(bytes, result.certain);
-    append(bytes, result.work);
-    append(bytes, result.miss.unknown);
-    append(bytes, result.miss.hits);
-    append(bytes, result.miss.missedBound);
+    ByteWriter writer(bytes);
+    writer.put(result.freeUntil);
+    writer.put(result.certain);
+    writer.put(result.work);
+    writer.put(result.miss.unknown);
+    writer.put(result.miss.hits);
+    writer.put(result.miss.missedBound);
     if (result.impact) {
-        append(bytes, result.impact->time);
-        append(bytes, result.impact->pair);
-        append(bytes, result.impact->featureA);
-        append(bytes, result.impact->featureB);
-        for (int axis = 0; axis < 3; ++axis) {
-            append(bytes, result.impact->onA[axis]);
-            append(bytes, result.impact->onB[axis]);
-            append(bytes, result.impact->normal[axis]);
-        }
+        writer.put(result.impact->time);
+        writer.put(result.impact->pair.triangleA);
+        writer.put(result.impact->pair.triangleB);
+        writer.put(result.impact->featureA);
+        writer.put(result.impact->featureB);
+        writer.put(result.impact->onA);
+        writer.put(result.impact->onB);
+        writer.put(result.impact->normal);
     }
     return bytes;
 }

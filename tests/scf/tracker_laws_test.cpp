@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 
+#include <grapeshot/core/bytes.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
 #include <adb/meshes.hpp>
@@ -14,40 +14,34 @@
 namespace grapeshot::test {
 namespace {
 
-template <class Value>
-void addBytes(std::vector<std::byte>& bytes, const Value& value) {
-    const auto* from = reinterpret_cast<const std::byte*>(&value);
-    bytes.insert(bytes.end(), from, from + sizeof value);
-}
-
 /// Everything that a result says.
 std::vector<std::byte> bytesOf(const TrackResult& result) {
     std::vector<std::byte> bytes;
+    ByteWriter writer(bytes);
     for (const TrackedContact& contact : result.contacts) {
-        addBytes(bytes, contact.pair);
-        for (int axis = 0; axis < 3; ++axis) {
-            addBytes(bytes, contact.onA[axis]);
-            addBytes(bytes, contact.onB[axis]);
-            addBytes(bytes, contact.normal[axis]);
-        }
-        addBytes(bytes, contact.signedDistance);
-        addBytes(bytes, contact.featureA);
-        addBytes(bytes, contact.featureB);
-        addBytes(bytes, contact.overlapping);
-        addBytes(bytes, contact.age);
+        writer.put(contact.pair.triangleA);
+        writer.put(contact.pair.triangleB);
+        writer.put(contact.onA);
+        writer.put(contact.onB);
+        writer.put(contact.normal);
+        writer.put(contact.signedDistance);
+        writer.put(contact.featureA);
+        writer.put(contact.featureB);
+        writer.put(contact.overlapping);
+        writer.put(contact.age);
     }
-    addBytes(bytes, result.certain);
-    addBytes(bytes, result.stop);
-    addBytes(bytes, result.work);
-    addBytes(bytes, result.miss.candidates);
-    addBytes(bytes, result.miss.sampled);
-    addBytes(bytes, result.miss.hits);
-    addBytes(bytes, result.miss.open);
-    addBytes(bytes, result.miss.missed);
-    addBytes(bytes, result.miss.missedBound);
-    addBytes(bytes, result.miss.unseenBound);
-    addBytes(bytes, result.tracked);
-    addBytes(bytes, result.dives);
+    writer.put(result.certain);
+    writer.put(result.stop);
+    writer.put(result.work);
+    writer.put(result.miss.candidates);
+    writer.put(result.miss.sampled);
+    writer.put(result.miss.hits);
+    writer.put(result.miss.open);
+    writer.put(result.miss.missed);
+    writer.put(result.miss.missedBound);
+    writer.put(result.miss.unseenBound);
+    writer.put(result.tracked);
+    writer.put(result.dives);
     return bytes;
 }
 
