@@ -47,4 +47,24 @@ inline MovingBody passingBody(const scenes::Mesh& mesh, double distance, Random&
     return body;
 }
 
+/// Two bumpy spheres that pass or meet, and their trees.
+struct PassingPair {
+    explicit PassingPair(int frequency = 8)
+        : meshA(scenes::normalised(scenes::bumpySphere(1, 0.3F, 7, frequency, 3), 1)),
+          meshB(scenes::normalised(scenes::bumpySphere(1, 0.25F, 5, frequency, 4), 1)) {}
+    scenes::Mesh meshA, meshB;
+    BallTree a = buildBallTree(meshA.view());
+    BallTree b = buildBallTree(meshB.view());
+
+    struct Event {
+        MovingBody a, b;
+    };
+    [[nodiscard]] Event event(std::uint64_t seed) const {
+        Random random(seed);
+        return {passingBody(meshA, 0.1, random), passingBody(meshB, random.uniform(0.9, 2.5), random)};
+    }
+};
+
+inline constexpr ImpactSettings fineSettings{.tolerance = 1e-6F};
+
 }  // namespace grapeshot::test
