@@ -21,19 +21,25 @@ bool isUsable(const ImpactSettings& s) {
            std::isfinite(s.exclusion) && s.exclusion >= 0 && s.auditShare >= 0 && s.auditShare <= 1;
 }
 
+std::optional<Fault> faultIn(const RigidMotion& frame) {
+    if (!isRigid(frame.from)) {
+        return Fault::notRigid;
+    }
+    if (!frame.path.allFinite() || !frame.turn.allFinite()) {
+        return Fault::notFinite;
+    }
+    return frame.turn.norm() <= static_cast<float>(mostParts) * largestTurn ? std::nullopt
+                                                                            : std::optional(Fault::badSetting);
+}
+
 std::optional<Fault> faultIn(const SurfaceMotion& motion, const Surface& surface) {
     if (!detail::isOfSurface(surface, {motion.before, motion.now}, motion.triangles)) {
         return Fault::topologyChanged;
     }
-    if (!isRigid(motion.frame.from)) {
-        return Fault::notRigid;
+    if (const auto fault = faultIn(motion.frame)) {
+        return fault;
     }
-    if (!motion.frame.path.allFinite() || !motion.frame.turn.allFinite()) {
-        return Fault::notFinite;
-    }
-    return detail::isUsable(motion.stretch) && motion.frame.turn.norm() <= static_cast<float>(mostParts) * largestTurn
-               ? std::nullopt
-               : std::optional(Fault::badSetting);
+    return detail::isUsable(motion.stretch) ? std::nullopt : std::optional(Fault::badSetting);
 }
 
 float stretchOf(const SurfaceMotion& motion, const Surface& surface) {
@@ -139,7 +145,7 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
 
 /// The frame moves nothing against anything: the body is searched in its own.
 ImpactResult ImpactQuery::State::findWithin(SurfaceMotion body, const ImpactSettings& settings, const Budget& budget) {
-    if (const auto fault = faultIn(body, a.tree().surface)) {
+    if (const auto fault = faultIn(body.frame)) {
         ImpactResult refused;
         refused.fault = fault;
         return refused;

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/error.hpp>

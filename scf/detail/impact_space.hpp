@@ -51,7 +51,7 @@ std::uint64_t ImpactSpace::openLeaves(std::uint32_t leafA, std::uint32_t leafB, 
     const SweptLeaf& sweptB = b->leaf(leafB);
     const bool same = isSelf() && leafA == leafB;
     float time[16];
-    std::uint32_t near = sweptLeafMeets(b->ballOf(leafB), sweptA, margin(), limit, time) & ((1U << ownA.count) - 1U);
+    std::uint32_t near = sweptLeafMeets(sweptB.whole, sweptA, margin(), limit, time) & ((1U << ownA.count) - 1U);
     std::uint64_t units = 1;
     for (; near != 0U; near &= near - 1U) {
         const auto i = static_cast<unsigned>(std::countr_zero(near));
@@ -68,7 +68,7 @@ std::uint64_t ImpactSpace::openLeaves(std::uint32_t leafA, std::uint32_t leafB, 
             if (isSelf()) {
                 float square = 0;
                 for (int axis = 0; axis < 3; ++axis) {
-                    const float d = sweptA.middle[axis][i] - sweptB.middle[axis][j];
+                    const float d = ownA.middle[axis][i] - ownB.middle[axis][j];
                     square += d * d;
                 }
                 if (!(square > exclusion * exclusion) ||

@@ -102,18 +102,15 @@ void MovingTree::putBall(BallRef ref, SweptBalls& balls, int slot) {
     balls.radius[slot] = std::max(before.radius[0], now.radius[0]) + bulge(tree().own(ref).center);
 }
 
-SweptBall MovingTree::ballOf(std::uint32_t leaf) {
-    SweptBalls balls;
-    putBall(leaf | ballLeafBit, balls, 0);
-    return {{balls.center[0][0], balls.center[1][0], balls.center[2][0]},
-            {balls.path[0][0], balls.path[1][0], balls.path[2][0]},
-            balls.radius[0]};
-}
-
 void MovingTree::makeLeaf(std::uint32_t index, SweptLeaf& leaf) {
     const BallLeaf& own = tree().leaves[index];
     const PosedLeaf& before = m_before.leaf(index);
     const PosedLeaf& now = m_now.leaf(index);
+    SweptBalls around;
+    putBall(index | ballLeafBit, around, 0);
+    leaf.whole = {{around.center[0][0], around.center[1][0], around.center[2][0]},
+                  {around.path[0][0], around.path[1][0], around.path[2][0]},
+                  around.radius[0]};
     constexpr float third = 1.0F / 3;
     for (int lane = 0; lane < 16; ++lane) {
         float square = 0;
@@ -124,7 +121,6 @@ void MovingTree::makeLeaf(std::uint32_t index, SweptLeaf& leaf) {
                     (end->corner[0][axis][lane] + end->corner[1][axis][lane] + end->corner[2][axis][lane]) * third;
                 if (end == &before) {
                     leaf.center[axis][lane] = middle[axis];
-                    leaf.middle[axis][lane] = own.middle[axis][lane];
                 } else {
                     leaf.path[axis][lane] = middle[axis] - leaf.center[axis][lane];
                 }

@@ -46,7 +46,6 @@ class MovingTree {
         return m_made.balls(node, [&](SweptBalls& balls) { makeBalls(node, balls); });
     }
     void putBall(BallRef ref, SweptBalls& balls, int slot);
-    [[nodiscard]] SweptBall ballOf(std::uint32_t leaf);
     [[nodiscard]] const SweptLeaf& leaf(std::uint32_t index) {
         return m_made.leaf(index, [&](SweptLeaf& leaf) { makeLeaf(index, leaf); });
     }

@@ -12,19 +12,19 @@ struct alignas(16) SweptBalls {
     float radius[4];     ///< m
 };
 
-/// Balls around the triangles of a leaf. Unused lanes repeat lane 0.
-struct alignas(64) SweptLeaf {
-    float center[3][16];
-    float path[3][16];
-    float radius[16];
-    float middle[3][16];  ///< centroids at rest
-};
-
 /// One ball.
 struct SweptBall {
     float center[3];
     float path[3];
     float radius;
+};
+
+/// Balls around the triangles of a leaf. Unused lanes repeat lane 0.
+struct alignas(64) SweptLeaf {
+    float center[3][16];
+    float path[3][16];
+    float radius[16];
+    SweptBall whole;  ///< around all of it
 };
 
 /// Bit 4 a + b: balls a and b come within `reach`, before `limit`. time[4 a + b]: not before then, a little early.

@@ -1,6 +1,5 @@
 #include "tracking_bound.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>

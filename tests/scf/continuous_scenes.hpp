@@ -1,6 +1,8 @@
 // Surfaces in motion within one step, and what the slow truth says of them.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <grapeshot/scf/continuous.hpp>

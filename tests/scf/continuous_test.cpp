@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <scf/continuous_scenes.hpp>
 #include <support/test_size.hpp>
