@@ -1,6 +1,5 @@
 #include "tracking_scenes.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,29 +8,6 @@ namespace grapeshot::bench {
 namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
-constexpr float coilLength = 3.93F;  // m
-
-/// A tube along x, open at both ends, with low bumps.
-scenes::Mesh straightTube(int along, int around) {
-    scenes::Mesh mesh;
-    for (int i = 0; i <= along; ++i) {
-        const float s = coilLength * static_cast<float>(i) / static_cast<float>(along);
-        for (int j = 0; j < around; ++j) {
-            const float angle = 2 * pi * static_cast<float>(j) / static_cast<float>(around);
-            const float radius = coilTubeRadius * (1 + 0.04F * std::sin(40 * s) * std::cos(3 * angle));
-            mesh.vertices.emplace_back(s, radius * std::cos(angle), radius * std::sin(angle));
-        }
-    }
-    const auto index = [&](int i, int j) { return static_cast<std::uint32_t>(i * around + j % around); };
-    for (int i = 0; i < along; ++i) {
-        for (int j = 0; j < around; ++j) {
-            mesh.triangles.push_back({index(i, j), index(i + 1, j), index(i + 1, j + 1)});
-            mesh.triangles.push_back({index(i, j), index(i + 1, j + 1), index(i, j + 1)});
-        }
-    }
-    return mesh;
-}
-
 std::vector<Eigen::Vector3f> waved(const scenes::Mesh& mesh, float phase) {
     std::vector<Eigen::Vector3f> moved = mesh.vertices;
     for (Eigen::Vector3f& vertex : moved) {
@@ -78,36 +54,16 @@ TrackingFrame twoBodiesTurned(const TrackingScene& scene, const Eigen::Matrix3f&
     return result;
 }
 
-TrackingScene coil(const std::string& name, std::size_t triangles) {
-    // As many around as makes the triangles even: 2 along around, with along / around = length / (2 pi radius).
-    const double aspect = coilLength / (2 * pi * coilTubeRadius);
-    const int around =
-        std::max(6, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles) / (2 * aspect)))));
-    const int along = static_cast<int>(std::lround(static_cast<double>(triangles) / (2.0 * around)));
-    TrackingScene scene;
-    scene.name = name;
-    scene.a = straightTube(along, around);
-    scene.maxDistance = 0.002F;
-    scene.spacing = 1.25F * coilTubeRadius;  // chosen on another coil: thicker, narrower turns, other waves
-    scene.exclusion = 3 * coilTubeRadius;
-    return scene;
-}
-
-TrackingFrame coilAt(const TrackingScene& scene, int frame) {
-    constexpr float turnRadius = 0.15F;
-    const float phase = 0.12F * static_cast<float>(frame);
-    const float pitch = 2 * coilTubeRadius * (1.0F + 0.04F * std::sin(0.05F * static_cast<float>(frame)));
-    TrackingFrame result;
-    result.a.reserve(scene.a.vertices.size());
-    for (const Eigen::Vector3f& vertex : scene.a.vertices) {
-        const float turn = vertex[0] / turnRadius;  // rad
-        // Turns next to each other are half a wave apart: they sway against each other.
-        const float sway = 0.006F * std::sin(2.5F * turn + phase);
-        const float lift = 0.004F * std::sin(3.5F * turn - 0.7F * phase);
-        const float out = turnRadius + sway + vertex[1];
-        result.a.emplace_back(out * std::cos(turn), out * std::sin(turn), pitch * turn / (2 * pi) + lift + vertex[2]);
-    }
-    return result;
+TrackSettings settingsOf(const TrackingScene& scene, const TrackingBudget& budget, std::uint64_t seed) {
+    TrackSettings settings;
+    settings.maxDistance = scene.maxDistance;
+    settings.spacing = scene.spacing;
+    settings.exclusion = scene.exclusion;
+    settings.frontCells = budget.frontCells;
+    settings.auditShare = budget.auditShare;
+    settings.maxDives = 1U << 20U;
+    settings.seed = seed;
+    return settings;
 }
 
 }  // namespace grapeshot::bench

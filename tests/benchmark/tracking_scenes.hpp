@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <grapeshot/scf/tracker.hpp>
+
 #include <scenes/shapes.hpp>
 
 namespace grapeshot::bench {
@@ -36,10 +38,21 @@ struct TrackingFrame {
 [[nodiscard]] TrackingFrame twoBodiesTurned(const TrackingScene& scene, const Eigen::Matrix3f& turnA,
                                             const Eigen::Matrix3f& turnB, float gap, float phase);
 
-/// A tube of radius 0.02 m, straight at rest, wound up so that its turns touch; neighbouring turns sway against each
-/// other. About `triangles` triangles.
-[[nodiscard]] TrackingScene coil(const std::string& name, std::size_t triangles);
-[[nodiscard]] TrackingFrame coilAt(const TrackingScene& scene, int frame);
-inline constexpr float coilTubeRadius = 0.02F;
+/// What a step of a tracker is given, beside the scene.
+struct TrackingBudget {
+    std::uint64_t work = unlimited;
+    std::uint32_t frontCells = 64;
+    float auditShare = 0.1F;
+};
+/// Of two bodies of 100k triangles.
+inline constexpr TrackingBudget bodiesBudget{6'000, 128, 0.5F};
+/// Of coils up to 100k triangles.
+inline constexpr TrackingBudget coilBudget{5'500, 64, 0.1F};
+[[nodiscard]] constexpr TrackingBudget withWork(TrackingBudget budget, std::uint64_t work) {
+    budget.work = work;
+    return budget;
+}
+
+[[nodiscard]] TrackSettings settingsOf(const TrackingScene& scene, const TrackingBudget& budget, std::uint64_t seed);
 
 }  // namespace grapeshot::bench

@@ -16,6 +16,7 @@
 #include "box_refit.hpp"
 #include "fcl_model.hpp"
 #include "tracking_bound.hpp"
+#include "tracking_coils.hpp"
 #include "tracking_meetings.hpp"
 #include "tracking_scenes.hpp"
 #include "tracking_truth.hpp"
@@ -28,14 +29,12 @@ struct SceneSpec {
     TrackingScene scene;
     int frames;
     int warmUp;  ///< frames that are not counted: nothing is tracked before the first
-    std::uint64_t budget;
-    std::uint32_t frontCells;
-    float auditShare;
+    TrackingBudget budget;
     std::function<TrackingFrame(const TrackingScene&, int frame, int frames)> at;
 };
 
 /// Of a coil of any size, for what it costs to be larger.
-constexpr std::uint64_t sharedBudget = 5'500;
+constexpr std::uint64_t sharedBudget = coilBudget.work;
 constexpr const char* sharedName = "budget of the smaller coils, bound given";
 
 /// Least times of the repetitions, and what was found; per frame.
@@ -77,13 +76,7 @@ class SceneRun {
             m_boxesA = build(spec.scene.a.view());
             m_boxesB = build(spec.scene.b.view());
         }
-        m_settings.maxDistance = spec.scene.maxDistance;
-        m_settings.spacing = spec.scene.spacing;
-        m_settings.exclusion = spec.scene.exclusion;
-        m_settings.frontCells = spec.frontCells;
-        m_settings.auditShare = spec.auditShare;
-        m_settings.maxDives = 1U << 20U;
-        m_settings.seed = seed;
+        m_settings = settingsOf(spec.scene, spec.budget, seed);
     }
 
     void run(int repetitions) {
@@ -163,9 +156,9 @@ class SceneRun {
             {"exact, bound given", TrackMode::exact, false, unlimited, makeTracker()},
             {"exact, bound measured", TrackMode::exact, true, unlimited, makeTracker()},
             {"resolution, bound given", TrackMode::resolution, false, unlimited, makeTracker()},
-            {"budget, bound given", TrackMode::budget, false, m_spec.budget, makeTracker()},
-            {"budget, bound measured", TrackMode::budget, true, m_spec.budget, makeTracker()}};
-        if (self && m_spec.budget != sharedBudget) {
+            {"budget, bound given", TrackMode::budget, false, m_spec.budget.work, makeTracker()},
+            {"budget, bound measured", TrackMode::budget, true, m_spec.budget.work, makeTracker()}};
+        if (self && m_spec.budget.work != sharedBudget) {
             contenders.push_back({sharedName, TrackMode::budget, false, sharedBudget, makeTracker()});
         }
         std::optional<Query> query;
@@ -220,7 +213,7 @@ class SceneRun {
                 if (score) {
                     run.work.push_back(static_cast<double>(out.work));
                     run.coverage.push_back(
-                        coverage(truth.contacts, out.contacts, self ? coilTubeRadius : m_spec.scene.spacing));
+                        coverage(truth.contacts, out.contacts, self ? reportedCoil.tubeRadius : m_spec.scene.spacing));
                     const std::vector<bool> found = history.found(out.contacts);
                     run.ages.insert(run.ages.end(), history.ages().begin(), history.ages().end());
                     run.found.insert(run.found.end(), found.begin(), found.end());
@@ -268,20 +261,14 @@ void addFclRow(const SceneSpec& spec, double ourUs, report::Report& results) {
     results.rows.push_back(row);
 }
 
-SceneSpec bodiesSpec(const char* name, int frequency, int frames, std::uint64_t budget, std::uint64_t seed) {
-    return {twoBodies(name, frequency, static_cast<std::uint32_t>(seed % 100'003)),
-            frames,
-            2,
-            budget,
-            128,
-            0.5F,
+SceneSpec bodiesSpec(const char* name, int frequency, int frames, const TrackingBudget& budget, std::uint64_t seed) {
+    return {twoBodies(name, frequency, static_cast<std::uint32_t>(seed % 100'003)), frames, 2, budget,
             [](const TrackingScene& scene, int frame, int count) { return twoBodiesAt(scene, 0.08F, frame, count); }};
 }
 
-SceneSpec coilSpec(const char* name, std::size_t triangles, int frames, int warmUp, std::uint64_t budget) {
-    return {coil(name, triangles), frames, warmUp, budget, 64, 0.1F, [](const TrackingScene& scene, int frame, int) {
-                return coilAt(scene, frame);
-            }};
+SceneSpec coilSpec(const char* name, std::size_t triangles, int frames, int warmUp, std::uint64_t work) {
+    return {coil(name, reportedCoil, triangles), frames, warmUp, withWork(coilBudget, work),
+            [](const TrackingScene& scene, int frame, int) { return coilAt(scene, reportedCoil, frame); }};
 }
 
 }  // namespace
@@ -298,9 +285,9 @@ report::Report runTrackingSuite(const Options& options) {
     };
     if (wanted("bodies")) {
         const std::vector<SceneSpec> specs =
-            quick ? std::vector<SceneSpec>{bodiesSpec("2x10k", 22, 30, 2'000, options.seed)}
-                  : std::vector<SceneSpec>{bodiesSpec("2x100k", 70, 60, 6'000, options.seed),
-                                           bodiesSpec("2x1M", 224, 24, 2'500, options.seed)};
+            quick ? std::vector<SceneSpec>{bodiesSpec("2x10k", 22, 30, withWork(bodiesBudget, 2'000), options.seed)}
+                  : std::vector<SceneSpec>{bodiesSpec("2x100k", 70, 60, bodiesBudget, options.seed),
+                                           bodiesSpec("2x1M", 224, 24, withWork(bodiesBudget, 2'500), options.seed)};
         for (const SceneSpec& spec : specs) {
             std::cerr << spec.scene.name << " ...\n";
             SceneRun run(spec, options.seed);
@@ -347,7 +334,7 @@ report::Report runTrackingSuite(const Options& options) {
             const std::string name = spec.scene.name;
             const MethodRun& budget = run.of("budget, bound given");
             budgetUs.push_back(run.mean("budget, bound given"));
-            sharedUs.push_back(run.mean(spec.budget == sharedBudget ? "budget, bound given" : sharedName));
+            sharedUs.push_back(run.mean(spec.budget.work == sharedBudget ? "budget, bound given" : sharedName));
             claim(name + ": worst frame / mean, work of the budget mode",
                   *std::ranges::max_element(budget.work) / report::mean(budget.work), false, 3);
             claim(name + ": coverage at resolution", report::mean(run.of("resolution, bound given").coverage), true,
