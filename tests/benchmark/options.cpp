@@ -121,7 +121,8 @@ std::string usage() {
                         deforming; tracking: bodies, meetings, self, bound; workloads: work,
                         unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
-                        (decide); fit: the choice of the free parameters (stochastic)
+                        (decide); fit: the choice of the free parameters
+                        (stochastic), of the coils' settings (tracking)
   --quick               a small sample: answers are checked, times are printed but not claimed
   --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper),
                         frames of each bound (tracking)

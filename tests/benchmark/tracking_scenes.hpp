@@ -46,7 +46,7 @@ struct TrackingBudget {
 };
 /// Of two bodies of 100k triangles.
 inline constexpr TrackingBudget bodiesBudget{6'000, 128, 0.5F};
-/// Of coils up to 100k triangles.
+/// Of coils up to 100k triangles (see tracking_fit.hpp).
 inline constexpr TrackingBudget coilBudget{5'500, 64, 0.1F};
 [[nodiscard]] constexpr TrackingBudget withWork(TrackingBudget budget, std::uint64_t work) {
     budget.work = work;

@@ -17,6 +17,7 @@
 #include "fcl_model.hpp"
 #include "tracking_bound.hpp"
 #include "tracking_coils.hpp"
+#include "tracking_fit.hpp"
 #include "tracking_meetings.hpp"
 #include "tracking_scenes.hpp"
 #include "tracking_truth.hpp"
@@ -277,6 +278,10 @@ report::Report runTrackingSuite(const Options& options) {
     const bool quick = options.quick;
     const int repetitions = options.repetitions.value_or(quick ? 1 : 3);
     report::Report results{.suite = "tracking", .seed = options.seed, .quick = quick, .rows = {}, .claims = {}};
+    if (options.scenarios == std::vector<std::string>{"fit"}) {
+        addFitRows(options.seed, quick, results);
+        return results;
+    }
     const auto wanted = [&](const char* scenario) {
         return options.scenarios.empty() || std::ranges::count(options.scenarios, scenario) > 0;
     };

@@ -1,0 +1,118 @@
+#include "tracking_fit.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <report/machine.hpp>
+
+#include "tracking_coils.hpp"
+#include "tracking_truth.hpp"
+
+namespace grapeshot::bench {
+
+namespace {
+
+struct Choice {
+    TrackingBudget budget;
+    float spacing;  ///< tube radii
+    Tracker tracker;
+    std::vector<double> us, work, coverage;
+
+    [[nodiscard]] std::string name() const {
+        std::ostringstream text;
+        text << budget.work << " units, " << budget.frontCells << " cells, audit " << budget.auditShare << ", spacing "
+             << spacing;
+        return text.str();
+    }
+};
+
+/// One at a time around those that were chosen.
+std::vector<Choice> choicesOf(const BallTree& tree, std::uint64_t chosenWork) {
+    constexpr float chosenSpacing = fittingCoil.spacing / fittingCoil.tubeRadius;
+    std::vector<Choice> choices;
+    const auto add = [&](const TrackingBudget& budget, float spacing) {
+        choices.push_back({budget, spacing, Tracker(tree), {}, {}, {}});
+    };
+    const TrackingBudget chosen = withWork(coilBudget, chosenWork);
+    for (const std::uint64_t work : {4'000U, 5'500U, 8'000U, 12'000U}) {
+        add(withWork(chosen, work), chosenSpacing);
+    }
+    for (const float spacing : {0.6F, 0.9F, 1.6F}) {
+        add(chosen, spacing);
+    }
+    for (const std::uint32_t cells : {32U, 128U}) {
+        add({chosen.work, cells, chosen.auditShare}, chosenSpacing);
+    }
+    for (const float share : {0.05F, 0.25F, 0.5F}) {
+        add({chosen.work, chosen.frontCells, share}, chosenSpacing);
+    }
+    return choices;
+}
+
+}  // namespace
+
+void addFitRows(std::uint64_t seed, bool quick, report::Report& results) {
+    struct Size {
+        const char* name;
+        std::size_t triangles;
+        std::uint64_t chosenWork;
+        int frames;
+    };
+    const std::vector<Size> sizes = quick ? std::vector<Size>{{"fittingCoil10k", 10'000, 5'500, 6}}
+                                          : std::vector<Size>{{"fittingCoil10k", 10'000, 5'500, 40},
+                                                              {"fittingCoil100k", 100'000, 5'500, 40},
+                                                              {"fittingCoil1M", 1'000'000, 8'000, 30}};
+    for (const Size& size : sizes) {
+        std::cerr << size.name << " ...\n";
+        const int warmUp = quick ? 2 : 20;  // nothing is tracked before the first frame
+        TrackingScene scene = coil(size.name, fittingCoil, size.triangles);
+        const BallTree tree = buildBallTree(scene.a.view());
+        std::vector<Choice> choices = choicesOf(tree, size.chosenWork);
+        Tracker exact(tree);
+        TrackResult truth;
+        TrackResult result;
+        std::vector<double> exactUs;
+        for (int frame = 0; frame < size.frames; ++frame) {
+            const TrackingFrame where = coilAt(scene, fittingCoil, frame);
+            const SurfaceState state{where.a, {}, Stretch::given(1.02F * measureStretch(tree.surface, where.a)), {}};
+            if (frame >= warmUp) {
+                TrackSettings settings = settingsOf(scene, coilBudget, seed);
+                settings.mode = TrackMode::exact;
+                const double begin = report::threadCpuUs();
+                exact.step(state, settings, {}, truth);
+                exactUs.push_back(report::threadCpuUs() - begin);
+            }
+            for (Choice& choice : choices) {
+                TrackSettings settings = settingsOf(scene, choice.budget, seed);
+                settings.spacing = choice.spacing * fittingCoil.tubeRadius;
+                const double begin = report::threadCpuUs();
+                choice.tracker.step(state, settings, {.work = choice.budget.work}, result);
+                const double us = report::threadCpuUs() - begin;
+                if (frame >= warmUp) {
+                    choice.us.push_back(us);
+                    choice.work.push_back(static_cast<double>(result.work));
+                    choice.coverage.push_back(coverage(truth.contacts, result.contacts, fittingCoil.tubeRadius));
+                }
+            }
+        }
+        for (const Choice& choice : choices) {
+            report::Row row;
+            row.scenario = "fit";
+            row.mesh = scene.name;
+            row.triangles = scene.a.triangles.size();
+            row.method = choice.name();
+            row.peer = "exact";
+            row.n = choice.us.size();
+            row.timeUs = report::quantiles(choice.us);
+            row.ratio = report::mean(exactUs) / row.timeUs.mean;
+            row.work = {{"mean", report::mean(choice.work)}, {"max", *std::ranges::max_element(choice.work)}};
+            row.measured = {{"coverage", report::mean(choice.coverage)}};
+            results.rows.push_back(row);
+        }
+    }
+}
+
+}  // namespace grapeshot::bench
