@@ -59,9 +59,9 @@ TEST(BallKernels, DoWhatTheySayOnEveryInstructionSet) {
                 if (std::abs(d + sum - 1.2F) > 1e-5F) {
                     EXPECT_EQ((within >> lane & 1U) != 0U, d + sum <= 1.2F);
                 }
-                touching += touches ? 1 : 0;
-                inside += static_cast<int>(within >> lane & 1U);
                 if (set == InstructionSet::scalar) {
+                    touching += touches ? 1 : 0;
+                    inside += static_cast<int>(within >> lane & 1U);
                     first[lane] = weight[lane];
                 }
                 EXPECT_EQ(first[lane], weight[lane]);
@@ -70,8 +70,8 @@ TEST(BallKernels, DoWhatTheySayOnEveryInstructionSet) {
             EXPECT_EQ(mask, firstMask);
         }
     }
-    EXPECT_GT(touching, 1000);
-    EXPECT_GT(inside, 100);
+    EXPECT_GT(touching, 500);
+    EXPECT_GT(inside, 50);
 }
 
 TEST(BallKernels, NothingThatIsNoNumberIsCulled) {
