@@ -9,7 +9,7 @@
 namespace grapeshot {
 
 /// Fills `tree` as `build` does, byte for byte, and throws what it throws. `mesh` is copied on the way: it must stay as
-/// it is until then. 5 work units a triangle and some; tuning is paid for with 8 a pose and then done in one piece,
+/// it is until then. 4 work units a triangle and some; tuning is paid for with 8 a pose and then done in one piece,
 /// which takes about 1 us a pose: whoever may not stop sets BuildSettings::tuningPoses to 0.
 Sliced buildInSlices(MeshView mesh, BuildSettings settings, Tree& tree);
 

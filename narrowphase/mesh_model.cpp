@@ -187,7 +187,7 @@ Sliced computeTraits(MeshModel& model) {
             model.traits.push_back(traits);
         }
     };
-    co_await inPieces(0, tree.triangles.size(), 4, collect);
+    co_await inPieces(0, tree.triangles.size(), 6, collect);
 }
 
 Sliced computeLeafOf(MeshModel& model) {

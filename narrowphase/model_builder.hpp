@@ -9,7 +9,7 @@
 
 namespace grapeshot {
 
-/// All but `model.tree`, which is there already. About 7 work units a triangle.
+/// All but `model.tree`, which is there already. About 5 work units a triangle.
 Sliced makeModelInSlices(MeshModel& model);
 
 /// All of it.

@@ -65,7 +65,7 @@ class Sorter {
         const std::size_t count = m_out.order.size();
         m_items.reserve(count);
         const auto gather = [&](std::size_t begin, std::size_t end) { gatherItems(begin, end); };
-        co_await inPieces(0, count, 16, gather);
+        co_await inPieces(0, count, 8, gather);
         std::vector<std::uint32_t> tasks;
         for (std::size_t i = m_out.nodes.size(); i-- > 0;) {
             if (m_out.nodes[i].left == 0) {
@@ -100,17 +100,17 @@ class Sorter {
                 m_out.order[i] = m_items[i].triangle;
             }
         };
-        co_await inPieces(0, count, 128, take);
+        co_await inPieces(0, count, 64, take);
         const std::size_t nodes = m_out.nodes.size();
         m_boxes.reserve(nodes);
         const auto clear = [&](std::size_t, std::size_t end) { m_boxes.resize(end); };
-        co_await inPieces(0, nodes, 128, clear);
+        co_await inPieces(0, nodes, 64, clear);
         const auto reach = [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 fillReach(nodes - 1 - i);
             }
         };
-        co_await inPieces(0, nodes, 16, reach);
+        co_await inPieces(0, nodes, 8, reach);
     }
 
   private:
@@ -252,7 +252,7 @@ class Sorter {
                     const auto countSome = [&](std::size_t begin, std::size_t end) {
                         count(bins, axis, bounds.low[axis], scale, begin, end);
                     };
-                    co_await inPieces(range.begin, range.end, 32, countSome);
+                    co_await inPieces(range.begin, range.end, 48, countSome);
                     weigh(bins, {axis, 0, bounds.low[axis], scale}, range.size(), split, cost);
                 }
             }

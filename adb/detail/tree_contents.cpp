@@ -197,7 +197,7 @@ Sliced fillContentsInSlices(Tree& tree) {
             }
         }
     };
-    co_await inPieces(0, tree.leaves.size(), 4, fill);
+    co_await inPieces(0, tree.leaves.size(), 2, fill);
     tree.radius = std::nextafter(roundedUp(std::sqrt(squaredRadius)), infinity);
     const double least = double{tree.radius} * 0x1p-24;
     // From here on from the back: children stand after their parents.
@@ -215,7 +215,7 @@ Sliced fillContentsInSlices(Tree& tree) {
         nodeExtents.resize(end);
         tree.distributions.resize(std::max(end, tree.distributions.size()));
     };
-    co_await inPieces(0, count, 8, clear);
+    co_await inPieces(0, count, 6, clear);
     const auto findRanges = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             ranges[count - 1 - i] = rangeOf(tree.nodes[count - 1 - i], ranges);

@@ -25,7 +25,7 @@ class Widener {
         const std::size_t count = m_binary.nodes.size();
         m_plans.reserve(count);
         const auto clear = [&](std::size_t, std::size_t end) { m_plans.resize(end); };
-        co_await inPieces(0, count, 64, clear);
+        co_await inPieces(0, count, 16, clear);
         std::size_t leaves = 0;
         const auto plan = [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
@@ -34,14 +34,14 @@ class Widener {
                 leaves += m_binary.nodes[fromTheBack].left == 0 ? 1U : 0U;
             }
         };
-        co_await inPieces(0, count, 16, plan);
+        co_await inPieces(0, count, 4, plan);
         m_tree.leaves.reserve(leaves);
         m_nodes.reserve(leaves);  // as many at most
         m_tasks = {{0, 0}};
         m_nodes.emplace_back();
         while (!m_tasks.empty()) {
             co_yield mostSlicedPiece;
-            for (std::size_t i = 0; i < 4 * mostSlicedPiece && !m_tasks.empty(); ++i) {
+            for (std::size_t i = 0; i < mostSlicedPiece && !m_tasks.empty(); ++i) {
                 makeNode();
             }
         }
@@ -51,7 +51,7 @@ class Widener {
             m_tree.nodes.insert(m_tree.nodes.end(), m_nodes.begin() + static_cast<std::ptrdiff_t>(begin),
                                 m_nodes.begin() + static_cast<std::ptrdiff_t>(end));
         };
-        co_await inPieces(0, m_nodes.size(), 8, copy);
+        co_await inPieces(0, m_nodes.size(), 4, copy);
     }
 
   private:

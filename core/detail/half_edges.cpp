@@ -22,7 +22,7 @@ Sliced sortHalfEdgesInSlices(std::span<const Triangle> triangles, std::span<cons
             }
         }
     };
-    co_await inPieces(0, triangles.size(), 16, add);
+    co_await inPieces(0, triangles.size(), 8, add);
     std::vector<HalfEdge> spare;
     co_await sortSliced(edges, 0, edges.size(), spare, [](const HalfEdge& a, const HalfEdge& b) {
         return std::tie(a.low, a.high, a.triangle, a.edge) < std::tie(b.low, b.high, b.triangle, b.edge);

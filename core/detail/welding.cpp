@@ -44,7 +44,7 @@ Sliced weldInSlices(std::span<const Eigen::Vector3f> vertices, std::vector<std::
             }
         }
     };
-    co_await inPieces(0, vertices.size(), 8, insert);
+    co_await inPieces(0, vertices.size(), 6, insert);
 }
 
 }  // namespace grapeshot::detail

@@ -126,7 +126,11 @@ Sliced leafShapesInSlices(const Tree& tree, const Topology& topology, const std:
                                       [&](std::uint32_t t) { return t == noTriangle || isPlain(traits[t]); });
         }
     };
-    co_await inPieces(0, tree.leaves.size(), 1, add);
+    constexpr std::size_t pieceLeaves = mostSlicedPiece / 2;  // two units each
+    for (std::size_t i = 0; i < tree.leaves.size(); i += pieceLeaves) {
+        co_yield mostSlicedPiece;
+        add(i, std::min(i + pieceLeaves, tree.leaves.size()));
+    }
 }
 
 }  // namespace grapeshot::detail

@@ -125,6 +125,11 @@ void addNames(const PartSource& source, std::uint32_t first, std::vector<MeshPar
     }
 }
 
+Error noSuchVertex(const PartSource& source, std::uint32_t index, std::size_t triangle) {
+    return {Fault::indexOutOfRange, "vertex " + std::to_string(index) + " of " + std::to_string(source.vertices),
+            "triangle " + std::to_string(triangle) + " of part " + std::to_string(source.part)};
+}
+
 }  // namespace
 
 TriangleId idOf(std::span<const MeshPart> parts, std::uint32_t triangle) {
@@ -227,9 +232,9 @@ Sliced readMeshInSlices(std::span<const PartSource> sources, ShapeMesh& mesh) {
                 Triangle triangle = source.triangle(static_cast<int>(i));
                 for (std::uint32_t& corner : triangle) {
                     // Here and not later: behind the last vertex of one part are those of the next.
-                    require(corner < static_cast<std::uint32_t>(source.vertices), Fault::indexOutOfRange,
-                            "vertex " + std::to_string(corner) + " of " + std::to_string(source.vertices),
-                            "triangle " + std::to_string(i) + " of part " + std::to_string(source.part));
+                    if (corner >= static_cast<std::uint32_t>(source.vertices)) {
+                        throw noSuchVertex(source, corner, i);
+                    }
                     corner += base;
                 }
                 mesh.triangles.push_back(triangle);
