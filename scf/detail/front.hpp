@@ -7,6 +7,7 @@
 
 #include <grapeshot/scf/detail/cells.hpp>
 #include <grapeshot/scf/detail/pair_space.hpp>
+#include <grapeshot/scf/detail/prefetch.hpp>
 
 namespace grapeshot::detail {
 
@@ -38,7 +39,11 @@ class Front {
             if (!mayGoOn()) {
                 return false;
             }
+            if (!m_stack.empty()) {
+                prefetchPoints(space, m_stack.back().pair);
+            }
             work += space.expand(item.pair, children, &weight, cellA, cellB);
+            prefetchChildren(space, children);
             for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
                 const auto lane = static_cast<unsigned>(std::countr_zero(left));
                 m_stack.push_back({children.at(lane), weight[lane]});

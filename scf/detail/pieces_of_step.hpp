@@ -26,6 +26,13 @@ class PiecesOfStep {
         m_usedLeaves = 0;
     }
 
+    [[nodiscard]] bool hasBalls(std::uint32_t node) const { return m_nodeStamp[node] == m_step; }
+    [[nodiscard]] bool hasLeaf(std::uint32_t leaf) const { return m_leafStamp[leaf] == m_step; }
+    void prefetchBalls(std::uint32_t node) const {
+        __builtin_prefetch(&m_nodeStamp[node]);
+        __builtin_prefetch(&m_balls[node]);
+    }
+
     /// @param make fills in Balls&, if this step has not done it yet; may ask for other nodes
     template <class Make>
     const Balls& balls(std::uint32_t node, const Make& make) {

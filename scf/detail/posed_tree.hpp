@@ -38,6 +38,38 @@ class PosedTree {
     }
     /// `point` will soon be asked for it.
     void prefetch(std::uint32_t vertex) const { __builtin_prefetch(&m_positions[vertex]); }
+    /// `balls` and `putBall`, or `leaf`, will soon be asked for this piece: what is listed of it.
+    void prefetchPiece(BallRef piece) const {
+        const std::uint32_t index = ballIndex(piece);
+        if (isBallLeaf(piece)) {
+            const auto* const lines = reinterpret_cast<const char*>(&m_tree->leaves[index]);
+            for (std::size_t i = 0; i < sizeof(BallLeaf); i += 64) {
+                __builtin_prefetch(lines + i);
+            }
+        } else {
+            __builtin_prefetch(&m_tree->nodes[index]);
+            __builtin_prefetch(&m_tree->nodes[index].child[0]);
+            m_made.prefetchBalls(index);
+        }
+    }
+    /// And then the positions that are listed there, if this step has not made the piece yet.
+    void prefetchPoints(BallRef piece) const {
+        const std::uint32_t index = ballIndex(piece);
+        if (!isBallLeaf(piece)) {
+            if (!m_made.hasBalls(index)) {
+                const BallNode& node = m_tree->nodes[index];
+                for (std::uint32_t slot = 0; slot < node.count; ++slot) {
+                    prefetch(node.center[slot]);
+                }
+            }
+        } else if (!m_made.hasLeaf(index)) {
+            for (const auto& corners : m_tree->leaves[index].corner) {
+                for (const std::uint32_t vertex : corners) {
+                    prefetch(vertex);
+                }
+            }
+        }
+    }
     /// Are all positions finite that were read for balls and leaves in this step?
     [[nodiscard]] bool isFinite() const { return m_finite; }
 

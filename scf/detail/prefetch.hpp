@@ -9,6 +9,26 @@
 
 namespace grapeshot::detail {
 
+/// What is listed of two pieces, whose turn is after some other pairs'; and, some pairs later, the positions.
+inline void prefetchPieces(const PairSpace& space, const BallPair& pair) {
+    space.a->prefetchPiece(pair.a);
+    space.b->prefetchPiece(pair.b);
+}
+inline void prefetchChildren(const PairSpace& space, const ChildPairs& children) {
+    for (unsigned i = 0; i < 4; ++i) {
+        if ((children.mask >> 4 * i & 15U) != 0U) {
+            space.a->prefetchPiece(children.a[i]);
+        }
+        if ((children.mask >> i & 0x1111U) != 0U) {
+            space.b->prefetchPiece(children.b[i]);
+        }
+    }
+}
+inline void prefetchPoints(const PairSpace& space, const BallPair& pair) {
+    space.a->prefetchPoints(pair.a);
+    space.b->prefetchPoints(pair.b);
+}
+
 /// The corners' indices, and the leaves that the triangles are in.
 inline void prefetchTriangles(const PairSpace& space, const TrianglePair& pair) {
     __builtin_prefetch(&space.a->tree().surface.triangles[pair.triangleA]);

@@ -2,12 +2,21 @@
 #include <grapeshot/scf/detail/track_step.hpp>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+
+#include <grapeshot/scf/detail/prefetch.hpp>
 
 namespace grapeshot::detail {
 namespace {
 
 constexpr std::uint64_t stepsBetweenWalks = 4;  // from the same contact
 constexpr std::uint32_t divesPerRound = 64;
+constexpr std::uint32_t divesAtOnce = 8;
+
+bool isDown(const BallPair& pair) {
+    return isBallLeaf(pair.a) && isBallLeaf(pair.b);
+}
 
 }  // namespace
 
@@ -50,38 +59,49 @@ BallPair TrackStep::drawCandidate(double place) const {
     return m_scratch.candidates[index].cells;
 }
 
-bool TrackStep::dive(BallPair pair, bool greedy) {
+bool TrackStep::goDown(BallPair& pair, bool greedy) {
     ChildPairs children;
     float weight[16];
-    while (!isBallLeaf(pair.a) || !isBallLeaf(pair.b)) {
-        m_work += m_space.expand(pair, children, &weight);
-        if (children.mask == 0) {
+    m_work += m_space.expand(pair, children, &weight);
+    if (children.mask == 0) {
+        return false;
+    }
+    unsigned chosen = 16;
+    if (greedy) {
+        for (std::uint32_t rest = children.mask; rest != 0U; rest &= rest - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(rest));
+            chosen = chosen == 16 || weight[lane] > weight[chosen] ? lane : chosen;
+        }
+    } else {
+        float sum = 0;
+        for (std::uint32_t rest = children.mask; rest != 0U; rest &= rest - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(rest));
+            sum += weight[lane] * weight[lane];
+        }
+        float place = unit() * sum;
+        for (std::uint32_t rest = children.mask; rest != 0U; rest &= rest - 1U) {
+            const auto lane = static_cast<unsigned>(std::countr_zero(rest));
+            chosen = lane;
+            place -= weight[lane] * weight[lane];
+            if (place < 0) {
+                break;
+            }
+        }
+    }
+    pair = children.at(chosen);
+    return true;
+}
+
+bool TrackStep::dive(BallPair pair, bool greedy) {
+    while (!isDown(pair)) {
+        if (!goDown(pair, greedy)) {
             return false;
         }
-        unsigned chosen = 16;
-        if (greedy) {
-            for (std::uint32_t rest = children.mask; rest != 0U; rest &= rest - 1U) {
-                const auto lane = static_cast<unsigned>(std::countr_zero(rest));
-                chosen = chosen == 16 || weight[lane] > weight[chosen] ? lane : chosen;
-            }
-        } else {
-            float sum = 0;
-            for (std::uint32_t rest = children.mask; rest != 0U; rest &= rest - 1U) {
-                const auto lane = static_cast<unsigned>(std::countr_zero(rest));
-                sum += weight[lane] * weight[lane];
-            }
-            float place = unit() * sum;
-            for (std::uint32_t rest = children.mask; rest != 0U; rest &= rest - 1U) {
-                const auto lane = static_cast<unsigned>(std::countr_zero(rest));
-                chosen = lane;
-                place -= weight[lane] * weight[lane];
-                if (place < 0) {
-                    break;
-                }
-            }
-        }
-        pair = children.at(chosen);
     }
+    return land(pair, greedy);
+}
+
+bool TrackStep::land(const BallPair& pair, bool greedy) {
     const BallTree& treeA = m_space.a->tree();
     const BallTree& treeB = m_space.b->tree();
     const bool coarse = isCoarse(pair);
@@ -182,25 +202,66 @@ void TrackStep::walk(std::uint64_t spare) {
     queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(next));
 }
 
+void TrackStep::diveTogether(std::span<BallPair> pairs, std::uint64_t spare) {
+    std::array<BallPair, divesAtOnce> under{};  // not at two leaves yet
+    std::copy(pairs.begin(), pairs.end(), under.begin());
+    std::size_t open = pairs.size();
+    // Each level is one look at memory after the other: of one dive it is waited for, of several it is not.
+    std::array<BallPair, divesAtOnce> down{};
+    std::size_t landing = 0;
+    while (open > 0) {
+        for (std::size_t i = 0; i < open; ++i) {
+            prefetchPieces(m_space, under[i]);
+        }
+        for (std::size_t i = 0; i < open; ++i) {
+            prefetchPoints(m_space, under[i]);
+        }
+        std::size_t stay = 0;
+        for (std::size_t i = 0; i < open; ++i) {
+            BallPair pair = under[i];
+            if (isDown(pair)) {
+                down[landing++] = pair;
+                continue;
+            }
+            if (!mayDive(spare)) {
+                return;
+            }
+            if (goDown(pair, false)) {
+                under[stay++] = pair;
+            } else {
+                ++m_out.dives;
+            }
+        }
+        open = stay;
+    }
+    for (std::size_t i = 0; i < landing && mayDive(spare); ++i) {
+        ++m_out.dives;
+        if (land(down[i], false)) {
+            std::uint32_t& times = m_scratch.found.insert(m_lastKey, 0).value;
+            m_foundOnce += ++times == 1 ? 1 : 0;
+            m_foundOnce -= times == 2 ? 1 : 0;
+        }
+    }
+}
+
 void TrackStep::diveOn(std::uint64_t spare) {
     sumWeights();
     std::size_t walked = m_scratch.toWalk.size();
-    const auto mayGoOn = [&] {
-        const std::uint64_t rest = left();
-        return rest > 0 && (rest == unlimited || rest > spare);
-    };
-    while (m_out.dives < m_settings.maxDives && mayGoOn()) {
-        const std::uint32_t round = std::min(divesPerRound, m_settings.maxDives - m_out.dives);
-        for (std::uint32_t i = 0; i < round && mayGoOn(); ++i) {
-            ++m_out.dives;
-            const double place = (static_cast<double>(i) + static_cast<double>(unit())) / static_cast<double>(round);
-            if (dive(drawCandidate(place), false)) {
-                std::uint32_t& times = m_scratch.found.insert(m_lastKey, 0).value;
-                m_foundOnce += ++times == 1 ? 1 : 0;
-                m_foundOnce -= times == 2 ? 1 : 0;
+    std::uint32_t begun = 0;
+    while (begun < m_settings.maxDives && mayDive(spare)) {
+        const std::uint32_t round = std::min(divesPerRound, m_settings.maxDives - begun);
+        for (std::uint32_t i = 0; i < round && mayDive(spare);) {
+            std::array<BallPair, divesAtOnce> pairs;
+            std::uint32_t count = 0;
+            for (; count < divesAtOnce && i < round; ++i) {
+                const double place =
+                    (static_cast<double>(i) + static_cast<double>(unit())) / static_cast<double>(round);
+                pairs[count++] = drawCandidate(place);
             }
+            begun += count;
+            diveTogether(std::span(pairs.data(), count), spare);
             // What is new has neighbours that are new.
-            while (walked < m_scratch.toWalk.size() && mayGoOn()) {
+            while (walked < m_scratch.toWalk.size() && mayDive(spare)) {
                 walkFrom(m_scratch.toWalk[walked++]);
             }
         }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include <grapeshot/core/random.hpp>
 #include <grapeshot/scf/detail/descent.hpp>
@@ -47,6 +48,16 @@ class TrackStep {
     [[nodiscard]] BallPair drawCandidate(double place) const;
     /// Down to two leaves, test, repair. True: it found a contact, whose key is in m_lastKey.
     bool dive(BallPair pair, bool greedy);
+    /// One level down: to the pair that overlaps most, or to one drawn by that. False: none does.
+    bool goDown(BallPair& pair, bool greedy);
+    /// The rest of a dive, at two leaves.
+    bool land(const BallPair& pair, bool greedy);
+    [[nodiscard]] bool mayDive(std::uint64_t spare) {
+        const std::uint64_t rest = left();
+        return rest > 0 && (rest == unlimited || rest > spare);
+    }
+    /// Dives from all of these pairs, side by side. Those that the budget leaves in the water, at the end, are gone.
+    void diveTogether(std::span<BallPair> pairs, std::uint64_t spare);
     bool repair(const VertexPair& from, std::uint64_t birth);
     /// The triangles around two vertices. True: contact.
     bool testFans(const VertexPair& vertices, std::uint64_t birth);

@@ -8,7 +8,8 @@
 
 namespace grapeshot::bench {
 
-/// What the settings that the coils are reported with were chosen among: coverage at one tube radius and time.
+/// What the settings that the coils are reported with were chosen among: time, and coverage at one tube radius as the
+/// mean and the worst of six seeds.
 void addFitRows(std::uint64_t seed, bool quick, report::Report& results);
 
 }  // namespace grapeshot::bench

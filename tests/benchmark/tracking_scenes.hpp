@@ -44,10 +44,9 @@ struct TrackingBudget {
     std::uint32_t frontCells = 64;
     float auditShare = 0.1F;
 };
-/// Of two bodies of 100k triangles.
+/// Of two bodies of 100k triangles, and of two of a million.
 inline constexpr TrackingBudget bodiesBudget{6'000, 128, 0.5F};
-/// Of coils up to 100k triangles (see tracking_fit.hpp).
-inline constexpr TrackingBudget coilBudget{5'500, 64, 0.1F};
+inline constexpr TrackingBudget largeBodiesBudget{2'500, 128, 0.5F};
 [[nodiscard]] constexpr TrackingBudget withWork(TrackingBudget budget, std::uint64_t work) {
     budget.work = work;
     return budget;

@@ -34,10 +34,6 @@ struct SceneSpec {
     std::function<TrackingFrame(const TrackingScene&, int frame, int frames)> at;
 };
 
-/// Of a coil of any size, for what it costs to be larger.
-constexpr std::uint64_t sharedBudget = coilBudget.work;
-constexpr const char* sharedName = "budget of the smaller coils, bound given";
-
 /// Least times of the repetitions, and what was found; per frame.
 struct MethodRun {
     std::string name;
@@ -159,9 +155,6 @@ class SceneRun {
             {"resolution, bound given", TrackMode::resolution, false, unlimited, makeTracker()},
             {"budget, bound given", TrackMode::budget, false, m_spec.budget.work, makeTracker()},
             {"budget, bound measured", TrackMode::budget, true, m_spec.budget.work, makeTracker()}};
-        if (self && m_spec.budget.work != sharedBudget) {
-            contenders.push_back({sharedName, TrackMode::budget, false, sharedBudget, makeTracker()});
-        }
         std::optional<Query> query;
         if (!self) {
             query.emplace(m_boxesA, m_boxesB);
@@ -267,8 +260,8 @@ SceneSpec bodiesSpec(const char* name, int frequency, int frames, const Tracking
             [](const TrackingScene& scene, int frame, int count) { return twoBodiesAt(scene, 0.08F, frame, count); }};
 }
 
-SceneSpec coilSpec(const char* name, std::size_t triangles, int frames, int warmUp, std::uint64_t work) {
-    return {coil(name, reportedCoil, triangles), frames, warmUp, withWork(coilBudget, work),
+SceneSpec coilSpec(const char* name, std::size_t triangles, int frames, int warmUp) {
+    return {coil(name, reportedCoil, triangles), frames, warmUp, coilBudget(reportedCoil),
             [](const TrackingScene& scene, int frame, int) { return coilAt(scene, reportedCoil, frame); }};
 }
 
@@ -292,7 +285,7 @@ report::Report runTrackingSuite(const Options& options) {
         const std::vector<SceneSpec> specs =
             quick ? std::vector<SceneSpec>{bodiesSpec("2x10k", 22, 30, withWork(bodiesBudget, 2'000), options.seed)}
                   : std::vector<SceneSpec>{bodiesSpec("2x100k", 70, 60, bodiesBudget, options.seed),
-                                           bodiesSpec("2x1M", 224, 24, withWork(bodiesBudget, 2'500), options.seed)};
+                                           bodiesSpec("2x1M", 224, 24, largeBodiesBudget, options.seed)};
         for (const SceneSpec& spec : specs) {
             std::cerr << spec.scene.name << " ...\n";
             SceneRun run(spec, options.seed);
@@ -321,16 +314,28 @@ report::Report runTrackingSuite(const Options& options) {
         }
     }
     if (wanted("meetings") && !quick) {
-        std::cerr << "meetings ...\n";
-        addMeetingRows(options.seed, 120, results);
+        const bool all = !options.poses;
+        for (const MeetingSpec& spec : {MeetingSpec{"2x100k", 70, options.poses.value_or(120), bodiesBudget},
+                                        MeetingSpec{"2x1M", 224, all ? 60 : *options.poses, largeBodiesBudget}}) {
+            std::cerr << "meetings, " << spec.name << " ...\n";
+            const MeetingResult met = addMeetingRows(spec, options.seed, results);
+            const bool large = spec.budget.work == largeBodiesBudget.work;
+            const std::string name = spec.name + ", meetings: ";
+            claim(name + "steps whose exact pairs are not those of the boxes", met.mismatches, false, 0);
+            if (large) {
+                claim(name + "regions of all ages, budget", met.allFound, true, 0.98);
+            } else {
+                claim(name + "regions at their first step, budget", met.newFound, true, 0.99);
+            }
+            claim(name + "boxes / budget, bound given", met.timesFaster, true, large ? 100 : 3);
+        }
     }
     if (wanted("self")) {
-        const std::vector<SceneSpec> specs = quick
-                                                 ? std::vector<SceneSpec>{coilSpec("coil10k", 10'000, 24, 8, 6'000)}
-                                                 : std::vector<SceneSpec>{coilSpec("coil10k", 10'000, 40, 20, 5'500),
-                                                                          coilSpec("coil100k", 100'000, 40, 20, 5'500),
-                                                                          coilSpec("coil1M", 1'000'000, 30, 20, 8'000)};
-        std::vector<double> budgetUs, sharedUs;
+        const std::vector<SceneSpec> specs =
+            quick ? std::vector<SceneSpec>{coilSpec("coil10k", 10'000, 24, 8)}
+                  : std::vector<SceneSpec>{coilSpec("coil10k", 10'000, 40, 20), coilSpec("coil100k", 100'000, 40, 20),
+                                           coilSpec("coil1M", 1'000'000, 30, 20)};
+        std::vector<double> budgetUs;
         for (const SceneSpec& spec : specs) {
             std::cerr << spec.scene.name << " ...\n";
             SceneRun run(spec, options.seed);
@@ -339,7 +344,6 @@ report::Report runTrackingSuite(const Options& options) {
             const std::string name = spec.scene.name;
             const MethodRun& budget = run.of("budget, bound given");
             budgetUs.push_back(run.mean("budget, bound given"));
-            sharedUs.push_back(run.mean(spec.budget.work == sharedBudget ? "budget, bound given" : sharedName));
             claim(name + ": worst frame / mean, work of the budget mode",
                   *std::ranges::max_element(budget.work) / report::mean(budget.work), false, 3);
             claim(name + ": coverage at resolution", report::mean(run.of("resolution, bound given").coverage), true,
@@ -354,7 +358,7 @@ report::Report runTrackingSuite(const Options& options) {
             claim(name + ": exact / budget", run.mean("exact, bound given") / budgetUs.back(), true, large ? 40 : 8);
         }
         if (!quick) {
-            claim("coil, one budget: time at 1M / time at 10k", sharedUs.back() / sharedUs.front(), false, 1.1);
+            claim("coil, one budget: time at 1M / time at 10k", budgetUs.back() / budgetUs.front(), false, 1.1);
         }
     }
     if (wanted("bound")) {
