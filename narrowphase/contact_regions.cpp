@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include <grapeshot/narrowphase/detail/point_grid.hpp>
+#include <grapeshot/core/detail/point_grid.hpp>
 #include <grapeshot/narrowphase/detail/region_grouping.hpp>
 
 namespace grapeshot {

@@ -6,46 +6,16 @@
 #include <utility>
 
 #include <grapeshot/scf/detail/impact_search.hpp>
-#include <grapeshot/scf/detail/surface_input.hpp>
+#include <grapeshot/scf/detail/placing.hpp>
 
 namespace grapeshot {
 namespace {
 
-constexpr float largestTurn =
-    0.25F;  // rad per part: the balls grow by its square / 8 of their distance from the origin
-constexpr int mostParts = 4096;
 constexpr int drawBits = 16;  // random numbers of a part: more than there are
 
 bool isUsable(const ImpactSettings& s) {
     return std::isfinite(s.maxDistance) && s.maxDistance >= 0 && std::isfinite(s.tolerance) && s.tolerance > 0 &&
            std::isfinite(s.exclusion) && s.exclusion >= 0 && s.auditShare >= 0 && s.auditShare <= 1;
-}
-
-std::optional<Fault> faultIn(const RigidMotion& frame) {
-    if (!isRigid(frame.from)) {
-        return Fault::notRigid;
-    }
-    if (!frame.path.allFinite() || !frame.turn.allFinite()) {
-        return Fault::notFinite;
-    }
-    return frame.turn.norm() <= static_cast<float>(mostParts) * largestTurn ? std::nullopt
-                                                                            : std::optional(Fault::badSetting);
-}
-
-std::optional<Fault> faultIn(const SurfaceMotion& motion, const Surface& surface) {
-    if (!detail::isOfSurface(surface, {motion.before, motion.now}, motion.triangles)) {
-        return Fault::topologyChanged;
-    }
-    if (const auto fault = faultIn(motion.frame)) {
-        return fault;
-    }
-    return detail::isUsable(motion.stretch) ? std::nullopt : std::optional(Fault::badSetting);
-}
-
-float stretchOf(const SurfaceMotion& motion, const Surface& surface) {
-    // Without positions now they are those before.
-    return motion.now.empty() ? detail::stretchToUse(motion.stretch, surface, {motion.before})
-                              : detail::stretchToUse(motion.stretch, surface, {motion.before, motion.now});
 }
 
 std::uint64_t shareOf(std::uint64_t units, float share) {
@@ -80,17 +50,17 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
     if (!isUsable(settings)) {
         return refused(Fault::badSetting);
     }
-    if (const auto fault = faultIn(motionA, a.tree().surface)) {
+    if (const auto fault = detail::faultIn(motionA, a.tree().surface)) {
         return refused(*fault);
     }
-    const float stretchA = stretchOf(motionA, a.tree().surface);
+    const float stretchA = detail::stretchToUse(motionA, a.tree().surface);
     float stretchB = stretchA;
     float turn = motionA.frame.turn.norm();
     if (motionB != nullptr) {
-        if (const auto fault = faultIn(*motionB, b->tree().surface)) {
+        if (const auto fault = detail::faultIn(*motionB, b->tree().surface)) {
             return refused(*fault);
         }
-        stretchB = stretchOf(*motionB, b->tree().surface);
+        stretchB = detail::stretchToUse(*motionB, b->tree().surface);
         turn = std::max(turn, motionB->frame.turn.norm());
     }
     if (std::isnan(stretchA) || std::isnan(stretchB)) {
@@ -100,7 +70,7 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
     const detail::ImpactSpace space{&a, b ? &*b : &a, settings.maxDistance, settings.tolerance,
                                     b ? -1 : settings.exclusion};
     const RandomKey key{settings.seed, settings.pair, settings.step};
-    const int parts = std::max(1, static_cast<int>(std::ceil(turn / largestTurn)));
+    const int parts = std::max(1, static_cast<int>(std::ceil(turn / detail::largestTurn)));
     result.stop = StopReason::certain;
     result.certain = true;
     for (int part = 0; part < parts; ++part) {
@@ -145,7 +115,7 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
 
 /// The frame moves nothing against anything: the body is searched in its own.
 ImpactResult ImpactQuery::State::findWithin(SurfaceMotion body, const ImpactSettings& settings, const Budget& budget) {
-    if (const auto fault = faultIn(body.frame)) {
+    if (const auto fault = detail::faultIn(body.frame)) {
         ImpactResult refused;
         refused.fault = fault;
         return refused;

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <cmath>
 
-#include <grapeshot/scf/detail/surface_input.hpp>
+#include <grapeshot/scf/detail/placing.hpp>
 #include <grapeshot/scf/detail/track_step.hpp>
 #include <grapeshot/scf/detail/tracker_file.hpp>
 
@@ -15,36 +15,6 @@ bool isUsable(const TrackSettings& s) {
            std::isfinite(s.followDistance) && s.followDistance >= 0 && std::isfinite(s.exclusion) && s.exclusion >= 0 &&
            s.frontCells >= 16 && s.frontCells <= 4096 && s.auditShare >= 0 && s.auditShare <= 1 &&
            s.mode >= TrackMode::exact && s.mode <= TrackMode::budget;
-}
-
-/// What is wrong with the state of one surface, if anything.
-std::optional<Fault> faultIn(const SurfaceState& state, const Surface& surface) {
-    if (!detail::isOfSurface(surface, {state.positions}, state.triangles)) {
-        return Fault::topologyChanged;
-    }
-    if (state.pose && !isRigid(*state.pose)) {
-        return Fault::notRigid;
-    }
-    return detail::isUsable(state.stretch) ? std::nullopt : std::optional(Fault::badSetting);
-}
-
-/// Poses a tree. Returns the stretch it was posed with, 0 if its balls were fitted; or what is wrong.
-struct Posed {
-    float stretch = 1;
-    std::optional<Fault> fault;
-};
-Posed pose(const SurfaceState& state, detail::PosedTree& tree) {
-    const Surface& surface = tree.tree().surface;
-    Posed result;
-    result.stretch = detail::stretchToUse(state.stretch, surface, {state.positions});
-    if (std::isnan(result.stretch)) {
-        result.fault = Fault::notFinite;
-        return result;
-    }
-    const std::span<const Eigen::Vector3f> positions =
-        state.positions.empty() ? std::span(surface.rest) : state.positions;
-    tree.begin(positions, state.pose ? &*state.pose : nullptr, result.stretch);
-    return result;
 }
 
 }  // namespace
@@ -104,11 +74,11 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
     if (!isUsable(settings)) {
         return refuse(Fault::badSetting);
     }
-    if (const auto fault = faultIn(stateA, a->surface)) {
+    if (const auto fault = detail::faultIn(stateA, a->surface)) {
         return refuse(*fault);
     }
     if (stateB != nullptr) {
-        if (const auto fault = faultIn(*stateB, b->surface)) {
+        if (const auto fault = detail::faultIn(*stateB, b->surface)) {
             return refuse(*fault);
         }
     }
@@ -116,14 +86,14 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
         scratch = std::make_unique<detail::TrackerScratch>(*a, *b);
     }
     cut(settings);
-    const Posed posedA = pose(stateA, scratch->a);
+    const detail::Placed posedA = detail::place(stateA, scratch->a);
     if (posedA.fault) {
         return refuse(*posedA.fault);
     }
     out.stretchA = posedA.stretch;
     out.stretchB = posedA.stretch;
     if (stateB != nullptr) {
-        const Posed posedB = pose(*stateB, *scratch->b);
+        const detail::Placed posedB = detail::place(*stateB, *scratch->b);
         if (posedB.fault) {
             return refuse(*posedB.fault);
         }

@@ -16,11 +16,10 @@
 
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/error.hpp>
-#include <grapeshot/core/pose.hpp>
 #include <grapeshot/core/triangle_pair.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
 #include <grapeshot/scf/miss_estimate.hpp>
-#include <grapeshot/scf/stretch.hpp>
+#include <grapeshot/scf/surface_state.hpp>
 
 namespace grapeshot {
 
@@ -52,23 +51,6 @@ struct TrackSettings {
     std::uint64_t seed = 1;
     std::uint64_t pair = 0;  ///< of the two bodies, see `pairKey`
 };
-
-/// Where a surface is in a step. The spans are read during the step only.
-struct SurfaceState {
-    /// m, as many as vertices at rest; empty: at rest.
-    std::span<const Eigen::Vector3f> positions;
-    /// Applied to the positions, so that both surfaces are in one frame; rigid.
-    std::optional<Pose> pose;
-    Stretch stretch;
-    /// The triangles that the caller has now; if given, they are compared with those the tree was built on (a hash of
-    /// all, some gigabytes a second).
-    std::span<const Triangle> triangles;
-};
-
-/// A body that moves as a whole.
-[[nodiscard]] inline SurfaceState rigidState(const Pose& pose = {}) {
-    return {{}, pose, Stretch::rigid(), {}};
-}
 
 /// Everything in the common frame, in metres. Of a body with itself triangleA < triangleB.
 struct TrackedContact {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include <grapeshot/narrowphase/detail/point_grid.hpp>
+#include <grapeshot/core/detail/point_grid.hpp>
 
 namespace grapeshot::detail {
 namespace {

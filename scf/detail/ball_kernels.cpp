@@ -37,6 +37,14 @@ std::uint32_t withinKernel(const FourBalls& a, const FourBalls& b, float distanc
     return bits((left >= wide(0)) & (squaredCenterDistance(a, b) <= left * left));
 }
 
+void gapsKernel(const FourBalls& a, const FourBalls& b, float (&gap)[16], float (&between)[16]) {
+    const Float16 distance = sqrt(squaredCenterDistance(a, b));
+    // The roundings of the difference, the square and the root.
+    const Float16 left = distance * wide(1 - 1e-6F) - spreadA(a.radius) - repeatB(b.radius);
+    storeU(select(left > wide(0), left, wide(0)), gap);
+    storeU(distance, between);
+}
+
 std::uint32_t rowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
                          std::uint16_t (&row)[16]) {
     const Float16 lowB[3] = {load(b.low[0]), load(b.low[1]), load(b.low[2])};
@@ -92,6 +100,11 @@ std::uint32_t overlappingBalls(const FourBalls& a, const FourBalls& b, float rea
 std::uint32_t ballsWithin(const FourBalls& a, const FourBalls& b, float distance) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(withinKernel);
     return kernel.chosen()(a, b, distance);
+}
+
+void gapsOfBalls(const FourBalls& a, const FourBalls& b, float (&gap)[16], float (&between)[16]) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(gapsKernel);
+    kernel.chosen()(a, b, gap, between);
 }
 
 std::uint32_t closeRows(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,

@@ -27,6 +27,10 @@ struct alignas(64) PosedLeaf {
 /// Bit 4 a + b: no two points of the balls are farther apart than `distance`.
 [[nodiscard]] std::uint32_t ballsWithin(const FourBalls& a, const FourBalls& b, float distance) noexcept;
 
+/// gap[4 a + b]: what is in the balls a and b is at least so far apart, m, >= 0; also 0 if a number is not finite.
+/// between: the distance of their centres.
+void gapsOfBalls(const FourBalls& a, const FourBalls& b, float (&gap)[16], float (&between)[16]) noexcept;
+
 /// row[i]: triangles of b whose boxes are within `reach` of the box of triangle i of a. With an `exclusion` >= 0, those
 /// whose centroids at rest are at most so far apart are left out. Returns the units: one, and one more for every
 /// triangle of a whose box is near b's.

@@ -54,8 +54,18 @@ class PairBatch {
     void forget() { m_zero = 0; }
     [[nodiscard]] const TrianglePair& pair(int lane) const { return m_pair[lane]; }
     [[nodiscard]] const DistanceBatch& out() const { return m_out; }
-    /// B's triangles, for their normals.
-    [[nodiscard]] const TriangleBatch& b() const { return m_b; }
+    /// What the last run says of a lane: a FeaturePair, or more.
+    template <class Contact>
+    void describe(int lane, Contact& contact) const {
+        contact.pair = m_pair[lane];
+        contact.onA = {m_out.onA[0][lane], m_out.onA[1][lane], m_out.onA[2][lane]};
+        contact.onB = {m_out.onB[0][lane], m_out.onB[1][lane], m_out.onB[2][lane]};
+        contact.normal = normalOf(m_out, m_b, lane);
+        contact.signedDistance = m_out.signedDistance[lane];
+        contact.featureA = static_cast<std::uint8_t>(m_out.featureA[lane]);
+        contact.featureB = static_cast<std::uint8_t>(m_out.featureB[lane]);
+        contact.overlapping = (m_out.overlapping >> static_cast<unsigned>(lane) & 1U) != 0U;
+    }
 
   private:
     void copyTriangle(const PosedTree& tree, std::uint32_t triangle, TriangleBatch& to) {

@@ -46,6 +46,21 @@ struct PairSpace {
         return isSelf() && shareCorner(a->tree().surface, triangleA, triangleB);
     }
 
+    /// Shares a vertex, or stood within the exclusion at rest. Of two bodies nothing.
+    [[nodiscard]] bool leavesOut(std::uint32_t triangleA, std::uint32_t triangleB) const {
+        if (!isSelf()) {
+            return false;
+        }
+        const Surface& surface = a->tree().surface;
+        const auto middle = [&](std::uint32_t t) {
+            const Triangle& corners = surface.triangles[t];
+            return Eigen::Vector3f((surface.rest[corners[0]] + surface.rest[corners[1]] + surface.rest[corners[2]]) /
+                                   3);
+        };
+        return shareCorner(surface, triangleA, triangleB) ||
+               (middle(triangleA) - middle(triangleB)).squaredNorm() <= exclusion * exclusion;
+    }
+
     /// Sixteen balls against each other: one unit, two for a body with itself. Not both whole; leaves always are.
     /// @param weight as overlappingBalls has it; null: not wanted. A piece with itself has weight 1
     /// @param wholeA do not open this one, which is not the root

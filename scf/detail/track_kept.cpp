@@ -71,21 +71,6 @@ bool TrackStep::isCoarse(const BallPair& pair) const {
            (isBallLeaf(pair.b) && m_cellsB.coarse[ballIndex(pair.b)] != 0);
 }
 
-bool TrackStep::isLeftOut(const TrianglePair& pair) const {
-    if (!m_space.isSelf()) {
-        return false;
-    }
-    if (m_space.excludes(pair.triangleA, pair.triangleB)) {
-        return true;
-    }
-    const Surface& surface = m_space.a->tree().surface;
-    const auto middle = [&](std::uint32_t t) {
-        const Triangle& corners = surface.triangles[t];
-        return Eigen::Vector3f((surface.rest[corners[0]] + surface.rest[corners[1]] + surface.rest[corners[2]]) / 3);
-    };
-    return (middle(pair.triangleA) - middle(pair.triangleB)).squaredNorm() <= m_space.exclusion * m_space.exclusion;
-}
-
 bool TrackStep::isFarAtRest(const VertexPair& vertices) const {
     if (!m_space.isSelf()) {
         return true;
@@ -130,7 +115,7 @@ bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
     const bool isFar = isFarAtRest(vertices);
     for (const std::uint32_t a : m_space.a->tree().surface.fan.of(vertices.a)) {
         for (const std::uint32_t b : m_space.b->tree().surface.fan.of(vertices.b)) {
-            if (!isFar && isLeftOut({a, b})) {
+            if (!isFar && m_space.leavesOut(a, b)) {
                 continue;
             }
             batch.add(m_space, {a, b});

@@ -1,7 +1,5 @@
 #include <grapeshot/scf/detail/track_step.hpp>
 
-#include <grapeshot/scf/detail/lanes.hpp>
-
 namespace grapeshot::detail {
 namespace {
 
@@ -9,16 +7,8 @@ constexpr double trackedShare = 0.6;  // of the budget, for what is known alread
 constexpr double frontShare = 0.5;    // of what is left then
 
 TrackedContact contactOf(const PairBatch& batch, int lane) {
-    const DistanceBatch& out = batch.out();
     TrackedContact contact;
-    contact.pair = batch.pair(lane);
-    contact.onA = {out.onA[0][lane], out.onA[1][lane], out.onA[2][lane]};
-    contact.onB = {out.onB[0][lane], out.onB[1][lane], out.onB[2][lane]};
-    contact.normal = normalOf(out, batch.b(), lane);
-    contact.signedDistance = out.signedDistance[lane];
-    contact.featureA = static_cast<std::uint8_t>(out.featureA[lane]);
-    contact.featureB = static_cast<std::uint8_t>(out.featureB[lane]);
-    contact.overlapping = (out.overlapping >> static_cast<unsigned>(lane) & 1U) != 0U;
+    batch.describe(lane, contact);
     return contact;
 }
 

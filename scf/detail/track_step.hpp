@@ -64,7 +64,6 @@ class TrackStep {
     [[nodiscard]] bool isCoarse(const BallPair& pair) const;
     /// Nothing around the two vertices can be left out.
     [[nodiscard]] bool isFarAtRest(const VertexPair& vertices) const;
-    [[nodiscard]] bool isLeftOut(const TrianglePair& pair) const;
     /// Looks into the cells beside a contact.
     void walkFrom(std::uint32_t contact);
     void walk(std::uint64_t spare);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include <scf/continuous_scenes.hpp>
+#include <support/oracle.hpp>
 #include <support/test_size.hpp>
 
 namespace grapeshot::test {
