@@ -1,9 +1,12 @@
 #include <grapeshot/scf/tracker.hpp>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include <grapeshot/scf/detail/placing.hpp>
+#include <grapeshot/scf/detail/track_motion.hpp>
 #include <grapeshot/scf/detail/track_step.hpp>
 #include <grapeshot/scf/detail/tracker_file.hpp>
 
@@ -14,7 +17,7 @@ bool isUsable(const TrackSettings& s) {
     return std::isfinite(s.maxDistance) && s.maxDistance >= 0 && std::isfinite(s.spacing) && s.spacing > 0 &&
            std::isfinite(s.followDistance) && s.followDistance >= 0 && std::isfinite(s.exclusion) && s.exclusion >= 0 &&
            s.frontCells >= 16 && s.frontCells <= 4096 && s.auditShare >= 0 && s.auditShare <= 1 &&
-           s.mode >= TrackMode::exact && s.mode <= TrackMode::budget;
+           std::isfinite(s.tolerance) && s.tolerance > 0 && s.mode >= TrackMode::exact && s.mode <= TrackMode::budget;
 }
 
 }  // namespace
@@ -27,7 +30,13 @@ struct Tracker::State {
 
     void step(const SurfaceState& stateA, const SurfaceState* stateB, const TrackSettings& settings,
               const Budget& budget, TrackResult& out);
+    void step(const SurfaceMotion& motionA, const SurfaceMotion* motionB, const TrackSettings& settings,
+              const Budget& budget, TrackResult& out);
+    void stepWithin(SurfaceMotion body, const TrackSettings& settings, const Budget& budget, TrackResult& out);
     void cut(const TrackSettings& settings);
+    /// Empty, but for its memory.
+    static void clear(TrackResult& out);
+    void refuse(Fault fault, TrackResult& out) const;
 
     const BallTree* a;
     const BallTree* b;
@@ -55,22 +64,28 @@ void Tracker::State::cut(const TrackSettings& settings) {
     }
 }
 
-void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB, const TrackSettings& settings,
-                          const Budget& budget, TrackResult& out) {
-    std::vector<TrackedContact> contacts = std::move(out.contacts);  // for its memory
+void Tracker::State::clear(TrackResult& out) {
+    std::vector<TrackedContact> contacts = std::move(out.contacts);
     contacts.clear();
     out = {};
     out.contacts = std::move(contacts);
-    const auto refuse = [&](Fault fault) {
-        out.contacts.clear();
-        out.certain = false;
-        out.stop = StopReason::invalidInput;
-        out.fault = fault;
-        out.miss = {};
-        out.carried = 0;
-        out.tracked = static_cast<std::uint32_t>(memory.tracked.size());
-        out.dives = 0;
-    };
+}
+
+void Tracker::State::refuse(Fault fault, TrackResult& out) const {
+    out.contacts.clear();
+    out.certain = false;
+    out.stop = StopReason::invalidInput;
+    out.fault = fault;
+    out.miss = {};
+    out.carried = 0;
+    out.tracked = static_cast<std::uint32_t>(memory.tracked.size());
+    out.dives = 0;
+}
+
+void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB, const TrackSettings& settings,
+                          const Budget& budget, TrackResult& out) {
+    clear(out);
+    const auto refuse = [&](Fault fault) { this->refuse(fault, out); };
     if (!isUsable(settings)) {
         return refuse(Fault::badSetting);
     }
@@ -120,6 +135,75 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
     run.finish();
 }
 
+void Tracker::State::step(const SurfaceMotion& motionA, const SurfaceMotion* motionB, const TrackSettings& settings,
+                          const Budget& budget, TrackResult& out) {
+    clear(out);
+    if (!isUsable(settings)) {
+        return refuse(Fault::badSetting, out);
+    }
+    if (const auto fault = detail::faultIn(motionA, a->surface)) {
+        return refuse(*fault, out);
+    }
+    if (const auto fault = motionB != nullptr ? detail::faultIn(*motionB, b->surface) : std::nullopt) {
+        return refuse(*fault, out);
+    }
+    out.stretchA = detail::stretchToUse(motionA, a->surface);
+    out.stretchB = motionB != nullptr ? detail::stretchToUse(*motionB, b->surface) : out.stretchA;
+    if (std::isnan(out.stretchA) || std::isnan(out.stretchB)) {
+        return refuse(Fault::notFinite, out);
+    }
+    if (!scratch) {
+        scratch = std::make_unique<detail::TrackerScratch>(*a, *b);
+    }
+    cut(settings);
+    if (!scratch->movingA) {
+        scratch->movingA.emplace(*a);
+        if (!isSelf()) {
+            scratch->movingB.emplace(*b);
+        }
+    }
+    detail::MovingTree& movingA = *scratch->movingA;
+    detail::MovingTree& movingB = isSelf() ? movingA : *scratch->movingB;
+    detail::Meter meter(budget);
+    const detail::ImpactSpace space{&movingA, &movingB, settings.maxDistance, settings.tolerance,
+                                    isSelf() ? settings.exclusion : -1};
+    const float turn = std::max(motionA.frame.turn.norm(), motionB != nullptr ? motionB->frame.turn.norm() : 0);
+    const int parts = std::max(1, static_cast<int>(std::ceil(turn / detail::largestTurn)));
+    detail::TrackMotion run(space, settings, meter, memory, *scratch, out);
+    for (int part = 0; part < parts; ++part) {
+        movingA.begin(motionA, out.stretchA, {part, parts});
+        if (motionB != nullptr) {
+            movingB.begin(*motionB, out.stretchB, {part, parts});
+        }
+        const bool mayGoOn = run.run({part, parts});
+        out.work = run.work();
+        if (!movingA.isFinite() || !movingB.isFinite()) {
+            return refuse(Fault::notFinite, out);
+        }
+        if (!mayGoOn) {
+            break;
+        }
+    }
+    run.finish();
+}
+
+/// The frame moves nothing against anything: the body is searched in its own.
+void Tracker::State::stepWithin(SurfaceMotion body, const TrackSettings& settings, const Budget& budget,
+                                TrackResult& out) {
+    if (const auto fault = detail::faultIn(body.frame)) {
+        clear(out);
+        return refuse(*fault, out);
+    }
+    const RigidMotion frame = std::exchange(body.frame, {});
+    step(body, nullptr, settings, budget, out);
+    for (TrackedContact& contact : out.contacts) {
+        const Pose pose = poseAt(frame, static_cast<double>(contact.time));
+        contact.onA = apply(pose, contact.onA);
+        contact.onB = apply(pose, contact.onB);
+        contact.normal = pose.rotation * contact.normal;
+    }
+}
+
 Tracker::Tracker(const BallTree& a, const BallTree& b) : m_state(std::make_unique<State>(a, b)) {}
 Tracker::Tracker(const BallTree& body) : m_state(std::make_unique<State>(body, body)) {}
 Tracker::Tracker(const Tracker& other) : m_state(other.m_state ? std::make_unique<State>(*other.m_state) : nullptr) {}
@@ -153,6 +237,30 @@ void Tracker::step(const SurfaceState& body, const TrackSettings& settings, Budg
 TrackResult Tracker::step(const SurfaceState& body, const TrackSettings& settings, Budget budget) {
     TrackResult out;
     step(body, settings, budget, out);
+    return out;
+}
+
+void Tracker::sweep(const SurfaceMotion& a, const SurfaceMotion& b, const TrackSettings& settings, Budget budget,
+                    TrackResult& out) {
+    assert(!m_state->isSelf() && "made of one tree: it tracks the body with itself");
+    m_state->step(a, &b, settings, budget, out);
+}
+
+TrackResult Tracker::sweep(const SurfaceMotion& a, const SurfaceMotion& b, const TrackSettings& settings,
+                           Budget budget) {
+    TrackResult out;
+    sweep(a, b, settings, budget, out);
+    return out;
+}
+
+void Tracker::sweep(const SurfaceMotion& body, const TrackSettings& settings, Budget budget, TrackResult& out) {
+    assert(m_state->isSelf() && "made of two trees");
+    m_state->stepWithin(body, settings, budget, out);
+}
+
+TrackResult Tracker::sweep(const SurfaceMotion& body, const TrackSettings& settings, Budget budget) {
+    TrackResult out;
+    sweep(body, settings, budget, out);
     return out;
 }
 

@@ -19,6 +19,7 @@
 #include <grapeshot/core/triangle_pair.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
 #include <grapeshot/scf/miss_estimate.hpp>
+#include <grapeshot/scf/motion.hpp>
 #include <grapeshot/scf/surface_state.hpp>
 
 namespace grapeshot {
@@ -48,11 +49,13 @@ struct TrackSettings {
     /// Share of the budget, after what must be, that goes into the uniform sample for the bound, 0..1. With 0 there is
     /// no bound.
     float auditShare = 0.25F;
+    /// m, > 0, of `sweep`: ... and so much more, so that it ends; see ImpactSettings::tolerance.
+    float tolerance = 1e-5F;
     std::uint64_t seed = 1;
     std::uint64_t pair = 0;  ///< of the two bodies, see `pairKey`
 };
 
-/// Everything in the common frame, in metres. Of a body with itself triangleA < triangleB.
+/// Everything at `time`, in the common frame, in metres. Of a body with itself triangleA < triangleB.
 struct TrackedContact {
     TrianglePair pair;
     Eigen::Vector3f onA = Eigen::Vector3f::Zero();  ///< closest points; the middle of the intersection if overlapping
@@ -64,19 +67,24 @@ struct TrackedContact {
     std::uint8_t featureB = 6;
     bool overlapping = false;
     std::uint32_t age = 0;  ///< steps since it was found
+    /// Of a continuous step: when the two triangles are first in contact, 0..1; else 1, its end.
+    float time = 1;
 };
 
 struct TrackResult {
     std::vector<TrackedContact> contacts;
     /// exact: all are listed. resolution, budget: every pair of cells (of the size `spacing`; of the front) is clear or
-    /// has one listed. As true as a given stretch bound.
+    /// has one listed. As true as a given stretch bound. Of a continuous step: in all of it, and the cells are those of
+    /// the size `spacing` in budget mode, too.
     bool certain = false;
     StopReason stop = StopReason::invalidInput;
     /// With invalidInput: topologyChanged, notFinite, notRigid or badSetting. Nothing is listed then, and the tracker
     /// is as before the step.
     std::optional<Fault> fault;
     std::uint64_t work = 0;
-    MissEstimate miss;   ///< budget mode only
+    /// Budget mode only. Of a continuous step not of cells of the front, but of pairs of pieces and of triangles that
+    /// were still open when the search had used its share; missed are those with a contact whose cells have none.
+    MissEstimate miss;
     float stretchA = 1;  ///< given or measured; 0 where balls were fitted anew
     float stretchB = 1;
     std::uint32_t carried = 0;  ///< tracked pairs that the budget left untested: kept, not listed
@@ -108,6 +116,20 @@ class Tracker {
     /// Of a body with itself. @pre made of one tree, and the other two of two: asserted
     void step(const SurfaceState& body, const TrackSettings& settings, Budget budget, TrackResult& out);
     [[nodiscard]] TrackResult step(const SurfaceState& body, const TrackSettings& settings, Budget budget = {});
+
+    /// The same, continuously: contacts are the pairs of triangles that come within the distance at any moment of the
+    /// step, each when it first does, so that nothing passes through anything. exact: all of them. resolution: of every
+    /// pair of cells (of the size `spacing`) one, nearly the first. budget: those that were tracked, then by time; what
+    /// is open when the budget ends is sampled. `followDistance`, `frontCells` and `maxDives` are of no effect. The
+    /// budget may be exceeded by at most 20. A step in which a body turns by more than a quarter of a radian is
+    /// searched in parts. Discrete and continuous steps may follow each other.
+    void sweep(const SurfaceMotion& a, const SurfaceMotion& b, const TrackSettings& settings, Budget budget,
+               TrackResult& out);
+    [[nodiscard]] TrackResult sweep(const SurfaceMotion& a, const SurfaceMotion& b, const TrackSettings& settings,
+                                    Budget budget = {});
+    /// Of a body with itself. @pre made of one tree, and the other two of two: asserted
+    void sweep(const SurfaceMotion& body, const TrackSettings& settings, Budget budget, TrackResult& out);
+    [[nodiscard]] TrackResult sweep(const SurfaceMotion& body, const TrackSettings& settings, Budget budget = {});
 
     /// Forgets all pairs; the count of steps goes on.
     void clear();

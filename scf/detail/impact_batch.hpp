@@ -23,6 +23,7 @@ class ImpactBatch {
     std::uint32_t run(const ImpactSpace& space, const float (&time)[16], float (&step)[16]);
     /// What the last run says of a lane that touches.
     [[nodiscard]] Impact impactOf(const ImpactSpace& space, int lane, float time) const;
+    [[nodiscard]] const DistanceBatch& out() const { return m_out; }
     [[nodiscard]] TrianglePair triangles(const ImpactSpace& space, int lane) const;
 
   private:

@@ -7,6 +7,7 @@
 
 #include <grapeshot/scf/detail/cells.hpp>
 #include <grapeshot/scf/detail/front.hpp>
+#include <grapeshot/scf/detail/impact_search.hpp>
 #include <grapeshot/scf/detail/key_map.hpp>
 #include <grapeshot/scf/detail/pair_search.hpp>
 #include <grapeshot/scf/detail/posed_tree.hpp>
@@ -42,7 +43,9 @@ struct TrackerScratch {
         }
     }
     PosedTree a;
-    std::optional<PosedTree> b;  ///< not of a body with itself
+    std::optional<PosedTree> b;                  ///< not of a body with itself
+    std::optional<MovingTree> movingA, movingB;  ///< from the first continuous step on
+    ImpactScratch impact;
     Cells spacingA, spacingB, frontA, frontB;
     float spacing = -1;
     std::uint32_t frontCells = 0;

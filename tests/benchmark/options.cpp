@@ -118,7 +118,7 @@ std::string usage() {
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, stochastic)
   --scenario NAME...    only these scenarios (scene; continuous: needle, rigid, turning,
-                        deforming; tracking: bodies, meetings, self, bound; workloads: work,
+                        deforming; tracking: bodies, meetings, self, bound, depth; workloads: work,
                         unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
                         (decide); fit: the choice of the free parameters

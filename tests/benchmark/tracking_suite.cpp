@@ -17,6 +17,7 @@
 #include "fcl_model.hpp"
 #include "tracking_bound.hpp"
 #include "tracking_coils.hpp"
+#include "tracking_depth.hpp"
 #include "tracking_fit.hpp"
 #include "tracking_meetings.hpp"
 #include "tracking_scenes.hpp"
@@ -364,6 +365,10 @@ report::Report runTrackingSuite(const Options& options) {
     if (wanted("bound")) {
         std::cerr << "bound ...\n";
         addBoundRows(options.seed, options.poses.value_or(quick ? 600 : 10'000), results);
+    }
+    if (wanted("depth")) {
+        std::cerr << "depth ...\n";
+        addDepthRows(options.seed, quick, options.poses.value_or(quick ? 4 : 40), results);
     }
     return results;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/mesh_report.hpp>
 #include <grapeshot/scf/depth.hpp>
 
@@ -55,6 +56,28 @@ TEST(Depth, OfEveryKindOfSolidIsTheOracles) {
     EXPECT_GT(regions, 150U);
     EXPECT_LE(static_cast<double>(lost), 0.02 * static_cast<double>(regions)) << lost;
     EXPECT_LE(static_cast<double>(shallow), 0.05 * static_cast<double>(regions)) << shallow;
+}
+
+TEST(Depth, BothOraclesAgree) {
+    const scenes::Mesh knot = scenes::normalised(scenes::torusKnot(2, 3, 1, 0.5F, 0.2F, 40, 8));
+    const scenes::Mesh bumpy = scenes::normalised(scenes::bumpySphere(1, 0.25F, 5, 8, 4));
+    SolidPair pair(knot, bumpy);
+    Random random(9);
+    std::size_t regions = 0;
+    for (int pose = 0; pose < 10; ++pose) {
+        const Pose bInA{random.rotation(), 0.8F * random.direction()};
+        const std::vector<TrianglePair> cuts = pairsOf(pair.cutsAt(bInA));
+        const std::vector<TrueRegion> slow = trueRegions(knot.view(), bumpy.view(), bInA, cuts);
+        const std::vector<TrueRegion> fast = trueRegions(build(knot.view()), build(bumpy.view()), bInA, cuts);
+        ASSERT_EQ(slow.size(), fast.size());
+        for (std::size_t i = 0; i < slow.size(); ++i) {
+            EXPECT_EQ(slow[i].insideA, fast[i].insideA);
+            EXPECT_EQ(slow[i].insideB, fast[i].insideB);
+            EXPECT_NEAR(slow[i].depth, fast[i].depth, 2e-6);
+        }
+        regions += slow.size();
+    }
+    EXPECT_GT(regions, 10U);
 }
 
 TEST(Depth, AlongItTheDeepestPointIsOut) {

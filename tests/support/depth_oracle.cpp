@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include <grapeshot/adb/point_query.hpp>
 #include <grapeshot/core/topology.hpp>
 
 namespace grapeshot::test {
@@ -54,7 +55,9 @@ struct Side {
     std::vector<Eigen::Vector3d> vertices;
     std::vector<char> inside;
 
-    void compare(const Side& other) {
+    /// @param contains (vertex) -> bool, of those in the box around the other
+    template <class Contains>
+    void compare(const Side& other, const Contains& contains) {
         Eigen::Vector3d low = other.vertices[0];
         Eigen::Vector3d high = low;
         for (const Eigen::Vector3d& vertex : other.vertices) {
@@ -62,14 +65,73 @@ struct Side {
             high = high.cwiseMax(vertex);
         }
         inside.assign(vertices.size(), 0);
-        for (std::size_t v = 0; v < vertices.size(); ++v) {
-            if (topology.welded[v] == v && !topology.ringOf(static_cast<std::uint32_t>(v)).empty() &&
-                (vertices[v].array() > low.array()).all() && (vertices[v].array() < high.array()).all()) {
-                inside[v] = isInside(other.vertices, other.triangles, vertices[v]) ? 1 : 0;
+        for (std::uint32_t v = 0; v < vertices.size(); ++v) {
+            if (topology.welded[v] == v && !topology.ringOf(v).empty() && (vertices[v].array() > low.array()).all() &&
+                (vertices[v].array() < high.array()).all()) {
+                inside[v] = contains(v) ? 1 : 0;
             }
         }
     }
 };
+
+/// @param depthOf (side, vertex) -> m, of those that are inside
+template <class DepthOf>
+std::vector<TrueRegion> regionsOfSides(const Side (&sides)[2], std::span<const TrianglePair> cuts,
+                                       const DepthOf& depthOf) {
+    // Vertices of A, vertices of B, cuts.
+    const std::size_t countA = sides[0].vertices.size();
+    const std::size_t offset[3] = {0, countA, countA + sides[1].vertices.size()};
+    Sets sets(offset[2] + cuts.size());
+    for (std::size_t s = 0; s < 2; ++s) {
+        for (std::uint32_t v = 0; v < sides[s].inside.size(); ++v) {
+            for (const std::uint32_t w :
+                 sides[s].inside[v] != 0 ? sides[s].topology.ringOf(v) : std::span<const std::uint32_t>()) {
+                if (sides[s].inside[w] != 0) {
+                    sets.join(offset[s] + v, offset[s] + w);
+                }
+            }
+        }
+    }
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> cutAt;
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+        const std::uint32_t triangle[2] = {cuts[i].triangleA, cuts[i].triangleB};
+        for (std::size_t s = 0; s < 2; ++s) {
+            for (const std::uint32_t corner : sides[s].triangles[triangle[s]]) {
+                const std::uint32_t v = sides[s].topology.welded[corner];
+                if (sides[s].inside[v] != 0) {
+                    sets.join(offset[2] + i, offset[s] + v);
+                }
+            }
+        }
+        for (const std::uint32_t v : sides[0].triangles[triangle[0]]) {
+            for (const std::uint32_t w : sides[1].triangles[triangle[1]]) {
+                const auto [place, isNew] =
+                    cutAt.try_emplace({sides[0].topology.welded[v], sides[1].topology.welded[w]}, i);
+                if (!isNew) {
+                    sets.join(offset[2] + i, offset[2] + place->second);
+                }
+            }
+        }
+    }
+    std::map<std::size_t, TrueRegion> regions;
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+        regions[sets.find(offset[2] + i)].cuts.push_back(cuts[i]);
+    }
+    for (std::size_t s = 0; s < 2; ++s) {
+        for (std::uint32_t v = 0; v < sides[s].inside.size(); ++v) {
+            if (sides[s].inside[v] != 0) {
+                TrueRegion& region = regions[sets.find(offset[s] + v)];
+                (s == 0 ? region.insideA : region.insideB).push_back(v);
+                region.depth = std::max(region.depth, depthOf(s, v));
+            }
+        }
+    }
+    std::vector<TrueRegion> result;
+    for (auto& [root, region] : regions) {
+        result.push_back(std::move(region));
+    }
+    return result;
+}
 
 }  // namespace
 
@@ -99,61 +161,30 @@ double distanceTo(std::span<const Eigen::Vector3d> vertices, std::span<const Tri
 
 std::vector<TrueRegion> trueRegions(MeshView a, MeshView b, const Pose& bInA, std::span<const TrianglePair> cuts) {
     Side sides[2] = {Side(a, {}), Side(b, bInA)};
-    sides[0].compare(sides[1]);
-    sides[1].compare(sides[0]);
-    // Vertices of A, vertices of B, cuts.
-    const std::size_t offset[3] = {0, a.vertices.size(), a.vertices.size() + b.vertices.size()};
-    Sets sets(offset[2] + cuts.size());
+    for (int s = 0; s < 2; ++s) {
+        const Side& other = sides[1 - s];
+        sides[s].compare(
+            other, [&](std::uint32_t v) { return isInside(other.vertices, other.triangles, sides[s].vertices[v]); });
+    }
+    return regionsOfSides(sides, cuts, [&](std::size_t s, std::uint32_t v) {
+        return distanceTo(sides[1 - s].vertices, sides[1 - s].triangles, sides[s].vertices[v]);
+    });
+}
+
+std::vector<TrueRegion> trueRegions(const Tree& a, const Tree& b, const Pose& bInA,
+                                    std::span<const TrianglePair> cuts) {
+    Side sides[2] = {Side({a.vertices, a.triangles}, {}), Side({b.vertices, b.triangles}, bInA)};
+    const Pose aInB = inverse(bInA);
+    const auto inOther = [&](std::size_t s, std::uint32_t v) {
+        return s == 0 ? apply(aInB, a.vertices[v]) : apply(bInA, b.vertices[v]);
+    };
     for (std::size_t s = 0; s < 2; ++s) {
-        for (std::uint32_t v = 0; v < sides[s].inside.size(); ++v) {
-            for (const std::uint32_t w :
-                 sides[s].inside[v] != 0 ? sides[s].topology.ringOf(v) : std::span<const std::uint32_t>()) {
-                if (sides[s].inside[w] != 0) {
-                    sets.join(offset[s] + v, offset[s] + w);
-                }
-            }
-        }
+        sides[s].compare(sides[1 - s], [&](std::uint32_t v) { return contains(s == 0 ? b : a, inOther(s, v)); });
     }
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> cutAt;
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-        const std::uint32_t triangle[2] = {cuts[i].triangleA, cuts[i].triangleB};
-        for (std::size_t s = 0; s < 2; ++s) {
-            for (const std::uint32_t corner : sides[s].triangles[triangle[s]]) {
-                const std::uint32_t v = sides[s].topology.welded[corner];
-                if (sides[s].inside[v] != 0) {
-                    sets.join(offset[2] + i, offset[s] + v);
-                }
-            }
-        }
-        for (const std::uint32_t v : a.triangles[triangle[0]]) {
-            for (const std::uint32_t w : b.triangles[triangle[1]]) {
-                const auto [place, isNew] =
-                    cutAt.try_emplace({sides[0].topology.welded[v], sides[1].topology.welded[w]}, i);
-                if (!isNew) {
-                    sets.join(offset[2] + i, offset[2] + place->second);
-                }
-            }
-        }
-    }
-    std::map<std::size_t, TrueRegion> regions;
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-        regions[sets.find(offset[2] + i)].cuts.push_back(cuts[i]);
-    }
-    for (std::size_t s = 0; s < 2; ++s) {
-        for (std::uint32_t v = 0; v < sides[s].inside.size(); ++v) {
-            if (sides[s].inside[v] != 0) {
-                TrueRegion& region = regions[sets.find(offset[s] + v)];
-                (s == 0 ? region.insideA : region.insideB).push_back(v);
-                region.depth = std::max(
-                    region.depth, distanceTo(sides[1 - s].vertices, sides[1 - s].triangles, sides[s].vertices[v]));
-            }
-        }
-    }
-    std::vector<TrueRegion> result;
-    for (auto& [root, region] : regions) {
-        result.push_back(std::move(region));
-    }
-    return result;
+    return regionsOfSides(sides, cuts, [&](std::size_t s, std::uint32_t v) {
+        const auto closest = closestPoint(s == 0 ? b : a, inOther(s, v), std::numeric_limits<float>::max());
+        return closest ? static_cast<double>(closest->distance) : 0;
+    });
 }
 
 }  // namespace grapeshot::test

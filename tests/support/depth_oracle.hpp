@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include <grapeshot/adb/tree.hpp>
 #include <grapeshot/core/mesh_view.hpp>
 #include <grapeshot/core/pose.hpp>
 #include <grapeshot/core/triangle_pair.hpp>
@@ -34,5 +35,9 @@ struct TrueRegion {
 
 /// @param cuts the pairs of triangles that overlap
 std::vector<TrueRegion> trueRegions(MeshView a, MeshView b, const Pose& bInA, std::span<const TrianglePair> cuts);
+
+/// The same for large meshes: which vertices are inside and how far from the surface is what `adb` says of points, in
+/// double precision.
+std::vector<TrueRegion> trueRegions(const Tree& a, const Tree& b, const Pose& bInA, std::span<const TrianglePair> cuts);
 
 }  // namespace grapeshot::test
