@@ -25,6 +25,12 @@ static float roundingOf(const MeshModel& a, const MeshModel& b, const Pose& bInA
 }
 
 struct LocalContactSearch::State {
+    /// Of two boxes, along the axes of A and of B; negative where they overlap, m.
+    struct BoxGaps {
+        Vector3f inA, inB;
+        bool within = false;
+    };
+    [[nodiscard]] BoxGaps gaps(const LeafShape& leafA, const LeafShape& leafB) const;
     void test(const LeafPair& pair, bool facing, bool boxesOverlap);
     void addOverlapping(const LeafPair& pair);
     void testFeatures(const FeatureMasks& masks, const LeafPair& pair);
@@ -72,27 +78,39 @@ void LocalContactSearch::start(const MeshModel& a, const MeshModel& b, const Pos
     s.tested = 0;
 }
 
+LocalContactSearch::State::BoxGaps LocalContactSearch::State::gaps(const LeafShape& leafA,
+                                                                   const LeafShape& leafB) const {
+    const float reach = settings.maxDistance + boxRounding;
+    const auto isWithin = [&](const Vector3f& gap) { return gap.cwiseMax(0.0F).squaredNorm() <= reach * reach; };
+    const Vector3f offset = leafB.center - leafA.center;
+    BoxGaps gaps;
+    gaps.inA = offset.cwiseAbs() - (leafA.half + turn * leafB.half);
+    if (isWithin(gaps.inA)) {
+        gaps.inB = (bInA.rotation.transpose() * offset).cwiseAbs() - (leafB.half + turn.transpose() * leafA.half);
+        gaps.within = isWithin(gaps.inB);
+    }
+    return gaps;
+}
+
+bool LocalContactSearch::isNear(const LeafPair& pair) {
+    State& s = *m_state;
+    return s.gaps(s.placerA.shape(pair.leafA), s.placerB.shape(pair.leafB)).within;
+}
+
 std::size_t LocalContactSearch::add(std::span<const LeafPair> pairs, std::uint64_t mostWork) {
     State& s = *m_state;
     assert(s.a != nullptr);
     const std::uint64_t limit = mostWork > unlimited - s.work ? unlimited : s.work + mostWork;
     const bool twoSided = !s.a->solid || !s.b->solid;
-    const float reach = s.settings.maxDistance + s.boxRounding;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const LeafPair& pair = pairs[i];
         const LeafShape& leafA = s.placerA.shape(pair.leafA);
         const LeafShape& leafB = s.placerB.shape(pair.leafB);
-        const Vector3f offset = leafB.center - leafA.center;
-        const Vector3f apartInA = offset.cwiseAbs() - (leafA.half + s.turn * leafB.half);
-        if (apartInA.cwiseMax(0.0F).squaredNorm() > reach * reach) {
+        const State::BoxGaps gaps = s.gaps(leafA, leafB);
+        if (!gaps.within) {
             continue;
         }
-        const Vector3f apartInB =
-            (s.bInA.rotation.transpose() * offset).cwiseAbs() - (leafB.half + s.turn.transpose() * leafA.half);
-        if (apartInB.cwiseMax(0.0F).squaredNorm() > reach * reach) {
-            continue;
-        }
-        const bool boxesOverlap = std::max(apartInA.maxCoeff(), apartInB.maxCoeff()) <= s.boxRounding;
+        const bool boxesOverlap = std::max(gaps.inA.maxCoeff(), gaps.inB.maxCoeff()) <= s.boxRounding;
         const bool facing =
             !(leafA.plain && leafB.plain) && detail::faceEachOther(leafA, leafB, s.moreSpread, twoSided);
         if (!facing && !boxesOverlap) {

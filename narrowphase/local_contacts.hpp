@@ -49,6 +49,8 @@ class LocalContactSearch {
     /// three units. Boxes that are farther apart than maxDistance, surfaces that neither face each other nor cross, and
     /// the insides of two flat faces cost nothing.
     std::size_t add(std::span<const LeafPair> pairs, std::uint64_t mostWork = unlimited);
+    /// Are the boxes of the two leaves within maxDistance? Costs nothing.
+    [[nodiscard]] bool isNear(const LeafPair& pair);
     /// Appends the contacts in A's frame. Nothing depends on the order of the leaf pairs.
     void finish(std::vector<SurfaceContact>& out);
 

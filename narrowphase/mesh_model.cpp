@@ -8,6 +8,7 @@
 #include <grapeshot/adb/tree_builder.hpp>
 #include <grapeshot/core/mesh_slices.hpp>
 #include <grapeshot/narrowphase/detail/leaf_shape.hpp>
+#include <grapeshot/scf/stretch.hpp>
 
 namespace grapeshot {
 namespace {
@@ -21,6 +22,8 @@ constexpr float sharp = 0.09F;
 constexpr float flat = 2e-4F;
 // Height over longest edge below which a triangle has no normal; as inspect() counts degenerate ones.
 constexpr double degenerate = 1e-6;
+// Balls are built anew for vertices that moved so that an edge is longer by more than this factor.
+constexpr float mostStretch = 1.5F;
 
 /// An empty vector gets `size` elements bit by bit: memory is touched for the first time.
 template <class T>
@@ -261,6 +264,8 @@ Sliced copy(const std::vector<T>& from, std::vector<T>& to) {
 
 Sliced copyInSlices(const MeshModel& from, MeshModel& to) {
     to.report = from.report;
+    to.features = from.features;
+    to.featureStretch = from.featureStretch;
     to.solid = from.solid;
     to.topology.closed = from.topology.closed;
     to.tree.lower = from.tree.lower;
@@ -290,6 +295,14 @@ Sliced refitInSlices(MeshModel& model, std::span<const Eigen::Vector3f> vertices
     co_await refitInSlices(model.tree, vertices);  // throws before anything changes
     co_await measure(model.tree, model.report);
     co_await computeDerived(model);
+    if (model.features) {
+        co_yield mostSlicedPiece;
+        model.featureStretch = measureStretch(model.features->balls.surface, vertices);
+        if (!(model.featureStretch <= mostStretch)) {
+            model.features.reset();
+            addFeatures(model);
+        }
+    }
 }
 
 MeshModel makeModel(MeshView mesh, const BuildSettings& settings) {
@@ -301,6 +314,19 @@ MeshModel makeModelOf(Tree tree) {
     model.tree = std::move(tree);
     makeModelInSlices(model).run();
     return model;
+}
+
+MeshModel makeTrackedModel(MeshView mesh, const BuildSettings& settings) {
+    MeshModel model = makeModel(mesh, settings);
+    addFeatures(model);
+    return model;
+}
+
+void addFeatures(MeshModel& model) {
+    if (!model.features) {
+        model.features = std::make_shared<const FeatureModel>(makeFeatureModel(model.tree, model.leafOf));
+        model.featureStretch = 1;
+    }
 }
 
 void refit(MeshModel& model, std::span<const Eigen::Vector3f> vertices) {

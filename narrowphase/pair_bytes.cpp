@@ -128,7 +128,32 @@ void save(const PairState& state, ByteWriter& out) {
     out.put(static_cast<std::uint8_t>(state.searchHolds));
     out.put(static_cast<std::uint8_t>(state.cutShort));
     out.put(state.step);
+    const std::vector<std::byte> tracker = state.tracker ? state.tracker->save() : std::vector<std::byte>();
+    out.put(static_cast<std::uint64_t>(tracker.size()));
+    out.put(std::span<const std::byte>(tracker));
+    out.put(state.samplingLeft);
 }
+
+namespace {
+
+std::optional<Tracker> loadTracker(ByteReader& in, const LoadedModels& models) {
+    const std::span<const std::byte> bytes = in.take(in.count(1));
+    const bool usable = models.sameTrees && models.b != nullptr && models.a->features && models.b->features;
+    if (bytes.empty() || !usable) {
+        return std::nullopt;
+    }
+    std::optional<Tracker> tracker(std::in_place, models.a->features->balls, models.b->features->balls);
+    std::string fault;
+    try {
+        tracker->load(bytes);
+    } catch (const Error& error) {
+        fault = error.what();
+    }
+    in.require(fault.empty(), fault);
+    return tracker;
+}
+
+}  // namespace
 
 PairState loadPairState(ByteReader& in, const LoadedModels& models) {
     PairState state;
@@ -153,6 +178,8 @@ PairState loadPairState(ByteReader& in, const LoadedModels& models) {
     state.searchHolds = in.flag();
     state.cutShort = in.flag();
     state.step = in.get<std::uint64_t>();
+    state.tracker = loadTracker(in, models);
+    state.samplingLeft = in.get<std::uint32_t>();
     if (!models.sameTrees) {
         forgetSearch(state);
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <grapeshot/narrowphase/detail/feature_search.hpp>
 #include <grapeshot/narrowphase/detail/pair_search.hpp>
 #include <grapeshot/narrowphase/penetration.hpp>
 #include <grapeshot/narrowphase/stand_in.hpp>
@@ -92,6 +93,10 @@ bool penetrates(const ContactSet& set) {
 /// usual. What held a body a step ago is the best guess at what holds it now.
 constexpr float slidingEvidence = 8;
 
+bool byFeatures(const MeshModel& a, const MeshModel& b, const PairSettings& settings) {
+    return settings.method == Method::scf && a.features && b.features;
+}
+
 /// What is kept of a budget for a stand-in: if what is known may not be what holds the bodies apart, and the last call
 /// was not for the same pose.
 std::uint64_t standInReserve(const Pose& bInA, const Budget& budget, const PairState& state) {
@@ -119,7 +124,8 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         forgetSearch(state);
         return result;
     }
-    const std::uint64_t reserve = standInReserve(bInA, budget, state);
+    // The stand-in is an estimate of adb's.
+    const std::uint64_t reserve = byFeatures(a, b, settings) ? 0 : standInReserve(bInA, budget, state);
     if (reserve > 0) {
         dropStandIns(state.contacts);
     }
@@ -130,6 +136,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     const bool allStayed = refresh(state.contacts, bInA, staying);
     if (state.searchHolds && allStayed && settings.reuseMotion > 0 && settings.maxDistance <= state.searchDistance &&
         movedAtMost(settings.reuseMotion, a, b, state.searchPose, bInA, settings)) {
+        result.method = byFeatures(a, b, settings) ? Method::scf : Method::adb;
         result.collides = penetrates(state.contacts);
         result.refreshed = result.certain = true;
         result.stop = StopReason::certain;
@@ -154,18 +161,17 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     state.cutShort = !complete;
     state.searchPose = bInA;
     state.searchDistance = settings.maxDistance;
-    state.searchHolds = complete && result.deepContacts == 0 && s.search.local.overlapping().empty();
-    result.certain = complete;
-    result.stop = complete ? StopReason::certain : StopReason::budget;
+    result.certain = complete && !result.sampled;
+    result.stop = result.certain ? StopReason::certain : complete ? StopReason::probability : StopReason::budget;
+    state.searchHolds = result.certain && result.deepContacts == 0 && s.search.local.overlapping().empty();
     result.work = purse.spent();
     return result;
 }
 
 void forgetSearch(PairState& state) {
-    state.candidates.clear();
-    state.candidateDistance = -1;
-    state.traversal.reset();
-    state.nextCandidate = 0;
+    detail::forgetCandidates(state);
+    state.tracker.reset();
+    state.samplingLeft = 0;
     state.searchHolds = false;
     state.cutShort = false;
 }
@@ -180,11 +186,19 @@ std::uint64_t contactsAt(const MeshModel& a, const MeshModel& b, const Pose& bIn
     LocalContactSettings local = settings.local;
     local.maxDistance = settings.maxDistance;
     s.search.local.start(a, b, bInA, local);
-    const Order order = purse.isUnlimited() ? Order::depthFirst : Order::bestFirst;
-    Query(a.tree, b.tree).leafPairs(bInA, {settings.maxDistance, order}, budget, s.search.leafPairs);
-    purse.pay(s.search.leafPairs.work);
-    const bool complete =
-        detail::testPairs(s.search.leafPairs.pairs, purse, s.search.local) && s.search.leafPairs.certain;
+    std::vector<LeafPair>& pairs = s.search.leafPairs.pairs;
+    bool complete = false;
+    if (byFeatures(a, b, settings)) {
+        std::uint64_t work = 0;
+        complete = detail::closeLeafPairs(a, b, bInA, settings.maxDistance, budget, s.search, pairs, work);
+        purse.pay(work);
+    } else {
+        const Order order = purse.isUnlimited() ? Order::depthFirst : Order::bestFirst;
+        Query(a.tree, b.tree).leafPairs(bInA, {settings.maxDistance, order}, budget, s.search.leafPairs);
+        purse.pay(s.search.leafPairs.work);
+        complete = s.search.leafPairs.certain;
+    }
+    complete = detail::testPairs(pairs, purse, s.search.local) && complete;
     finishSearch(a, b, bInA, settings, complete, s);
     out.insert(out.end(), s.found.begin(), s.found.end());
     return purse.spent();

@@ -11,10 +11,25 @@
 #include <grapeshot/narrowphase/contact_set.hpp>
 #include <grapeshot/narrowphase/local_contacts.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
+#include <grapeshot/narrowphase/method.hpp>
+#include <grapeshot/scf/tracker.hpp>
 
 namespace grapeshot {
 
+/// Of Method::scf.
+struct FeatureSettings {
+    /// Work units of a step that may go into finding where the surfaces are near. As long as half of that is enough to
+    /// traverse both ball trees, nothing is left to chance; else features are tracked and new ones sampled. unlimited:
+    /// always traversed.
+    std::uint64_t searchWork = 256;
+    std::uint64_t seed = 1;  ///< of the samples
+    std::uint64_t pair = 0;  ///< of the two bodies, see `pairKey`
+};
+
 struct PairSettings {
+    /// Pairs of which a model lacks `features` are left to adb.
+    Method method = Method::automatic;
+    FeatureSettings features;
     /// Surfaces closer than this are contacts, m (the host: margins + breaking threshold + what they approach in a
     /// step).
     float maxDistance = 0.06F;
@@ -53,11 +68,16 @@ struct PairState {
     bool searchHolds = false;
     bool cutShort = false;  ///< it was ended by a budget
     std::uint64_t step = 0;
+    /// Method::scf: the features that are followed; refers to the models' `features`.
+    std::optional<Tracker> tracker;
+    std::uint32_t samplingLeft = 0;  ///< steps before the ball trees are traversed again
 };
 
 struct PairResult {
     bool collides = false;  ///< some contact with signedDistance <= 0
     bool certain = false;   ///< nothing within maxDistance (if refreshed: less reuseMotion) was left out
+    bool sampled = false;   ///< features were tracked and sampled: `certain` is false even if the budget lasted
+    Method method = Method::adb;  ///< adb or scf: which of the trees were asked
     StopReason stop = StopReason::invalidInput;
     std::uint64_t work = 0;
     std::uint32_t candidates = 0;    ///< leaf pairs tested; under a budget some twice
@@ -65,9 +85,12 @@ struct PairResult {
     bool refreshed = false;          ///< only refreshed, not searched
     std::uint32_t rawContacts = 0;   ///< before regions and reduction
     std::uint32_t deepContacts = 0;  ///< from cuts (penetration beyond the search distance) and containment
+    /// If sampled: pairs of pieces of both surfaces (see MissEstimate) that touch and where nothing was found, bound
+    /// at 95 %; infinite if the budget ended before it was known.
+    double missBound = 0;
 };
 
-/// Refresh, (traverse,) test, group, merge. On invalidInput (NaN or non-rigid pose) the state's contacts are cleared
+/// Refresh, (traverse or track,) test, group, merge. On invalidInput (NaN or non-rigid pose) the state's contacts are cleared
 /// and nothing is reported. Out of budget: what was found is merged, kept points stay, and `certain` is false; the next
 /// call (in the same step or the next) goes on with the traversal and the tests where they stopped, after a look (with
 /// at most half of the budget) at the triangles of the kept points, deepest first. A traversal begins anew when the

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <span>
 
-namespace grapeshot::detail {
-namespace {
+#include <grapeshot/narrowphase/detail/feature_search.hpp>
 
-/// Do the kept candidates hold every leaf pair within maxDistance?
+namespace grapeshot::detail {
+
 bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
               const PairState& state) {
     const auto known = [&](const LeafPair& pair) {
@@ -19,35 +19,12 @@ bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const Pa
     return movedAtMost(state.candidateDistance - settings.maxDistance, a, b, state.candidatePose, bInA, settings);
 }
 
-/// How far beyond maxDistance leaf pairs are collected, so that the list can be used again: nothing if the bodies move
-/// too fast for that.
 float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
                const PairState& state) {
     const bool slow = state.step <= 1 || movedAtMost(settings.slack, a, b, state.searchPose, bInA, settings);
     return slow ? settings.slack : 0.0F;
 }
 
-/// The same for a traversal that will take several steps: enough for a few at the present speed, if that is not too
-/// far.
-float slackAhead(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
-                 const PairState& state) {
-    if (state.step <= 1) {
-        return settings.slack;
-    }
-    for (const float times : {1.0F, 2.0F, 4.0F, 8.0F}) {
-        if (movedAtMost(times / 3 * settings.slack, a, b, state.searchPose, bInA, settings)) {
-            return times * settings.slack;
-        }
-    }
-    return 0;
-}
-
-/// Steps of the first dive into the trees: enough to reach some leaf pairs of a million triangles.
-constexpr std::uint64_t diveWork = 16;
-/// Between two looks at what it has found.
-constexpr std::uint64_t diveStride = 4;
-
-/// The leaf pairs of the kept points, deepest first, in s.witnesses.
 void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& contacts, PairSearch& s) {
     s.ranked.clear();
     for (const RegionSlot& slot : contacts.slots) {
@@ -66,6 +43,35 @@ void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& con
         }
     }
 }
+
+void forgetCandidates(PairState& state) {
+    state.candidates.clear();
+    state.candidateDistance = -1;
+    state.traversal.reset();
+    state.nextCandidate = 0;
+}
+
+namespace {
+
+/// As slackNow, for a traversal that will take several steps: enough for a few at the present speed, if that is not too
+/// far.
+float slackAhead(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                 const PairState& state) {
+    if (state.step <= 1) {
+        return settings.slack;
+    }
+    for (const float times : {1.0F, 2.0F, 4.0F, 8.0F}) {
+        if (movedAtMost(times / 3 * settings.slack, a, b, state.searchPose, bInA, settings)) {
+            return times * settings.slack;
+        }
+    }
+    return 0;
+}
+
+/// Steps of the first dive into the trees: enough to reach some leaf pairs of a million triangles.
+constexpr std::uint64_t diveWork = 16;
+/// Between two looks at what it has found.
+constexpr std::uint64_t diveStride = 4;
 
 /// A first dive to where the boxes overlap deepest (best first would look at all the large nodes before any leaf), then
 /// the traversal is ready to go best first. If the dive has seen everything, there is none.
@@ -184,22 +190,32 @@ bool searchWithin(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
 
 }  // namespace
 
+bool testCandidates(Purse& purse, PairState& state, PairSearch& s) {
+    if (purse.isUnlimited()) {
+        state.nextCandidate = 0;
+        return testPairs(state.candidates, purse, s.local);
+    }
+    return searchInTurns(purse, state, s);
+}
+
 bool searchPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Purse& purse,
                  PairState& state, PairResult& result, PairSearch& s) {
     LocalContactSettings wanted = settings.local;
     wanted.maxDistance = std::min(wanted.maxDistance, settings.maxDistance);
     s.local.start(a, b, bInA, wanted);
+    if (settings.method == Method::scf && a.features && b.features) {
+        return searchFeatures(a, b, bInA, settings, purse, state, result, s);
+    }
     if (!purse.isUnlimited()) {
         return searchWithin(a, b, bInA, settings, purse, state, result, s);
     }
     if (canReuse(a, b, bInA, settings, state)) {
-        state.nextCandidate = 0;
-        return testPairs(state.candidates, purse, s.local);
+        return testCandidates(purse, state, s);
     }
     const float slack = slackNow(a, b, bInA, settings, state);
     const float reach = settings.maxDistance + slack;
     result.traversed = true;
-    forgetSearch(state);
+    forgetCandidates(state);
     state.candidatePose = bInA;
     Query(a.tree, b.tree).leafPairs(bInA, {reach, Order::depthFirst}, purse.left(), s.leafPairs);
     purse.pay(s.leafPairs.work);

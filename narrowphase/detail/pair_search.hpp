@@ -6,8 +6,10 @@
 #include <vector>
 
 #include <grapeshot/narrowphase/detail/budgeted_tests.hpp>
+#include <grapeshot/narrowphase/detail/patch_walk.hpp>
 #include <grapeshot/narrowphase/pair_update.hpp>
 #include <grapeshot/narrowphase/relative_motion.hpp>
+#include <grapeshot/scf/close_leaves.hpp>
 
 namespace grapeshot::detail {
 
@@ -17,11 +19,31 @@ struct PairSearch {
     LeafPairs leafPairs;
     std::vector<LeafPair> witnesses;
     std::vector<std::pair<float, LeafPair>> ranked;
+    PatchWalk walk;
+    CloseLeafSearch closeLeaves;
+    std::vector<CloseLeaves> close;
+    TrackResult tracked;
 };
 
 /// Feeds `search.local`, started anew, with all leaf pairs within maxDistance. True if none is missing.
 bool searchPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Purse& purse,
                  PairState& state, PairResult& result, PairSearch& search);
+
+// Parts that the methods share.
+
+/// Do the kept candidates hold every leaf pair within maxDistance?
+[[nodiscard]] bool canReuse(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                            const PairState& state);
+/// How far beyond maxDistance leaf pairs are collected, so that the list can be used again: nothing if the bodies move
+/// too fast for that.
+[[nodiscard]] float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                             const PairState& state);
+/// The leaf pairs of the kept points, deepest first, in s.witnesses.
+void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& contacts, PairSearch& s);
+/// The kept candidates, from where the last tests stopped. True if all were tested.
+bool testCandidates(Purse& purse, PairState& state, PairSearch& s);
+/// They are not known any more.
+void forgetCandidates(PairState& state);
 
 /// Have points that may be contacts now surely moved against each other by no more than `limit` since `before`?
 inline bool movedAtMost(float limit, const MeshModel& a, const MeshModel& b, const Pose& before, const Pose& now,

@@ -17,6 +17,18 @@ class PiecesOfStep {
     PiecesOfStep(std::size_t nodes, std::size_t leaves)
         : m_nodeStamp(nodes, 0), m_leafStamp(leaves, 0), m_leafSlot(leaves, 0), m_balls(nodes) {}
 
+    /// For another tree; what was made is forgotten at the next `begin`. Memory only grows.
+    void makeRoom(std::size_t nodes, std::size_t leaves) {
+        if (nodes > m_balls.size()) {
+            m_nodeStamp.resize(nodes, 0);
+            m_balls.resize(nodes);
+        }
+        if (leaves > m_leafStamp.size()) {
+            m_leafStamp.resize(leaves, 0);
+            m_leafSlot.resize(leaves, 0);
+        }
+    }
+
     void begin() {
         if (++m_step == 0) {  // after 2^32 of them
             std::fill(m_nodeStamp.begin(), m_nodeStamp.end(), 0);

@@ -15,6 +15,11 @@ namespace grapeshot::detail {
 class PosedTree {
   public:
     explicit PosedTree(const BallTree& tree);
+    /// Another tree from the next `begin` on, with the same memory.
+    void turnTo(const BallTree& tree) {
+        m_tree = &tree;
+        m_made.makeRoom(tree.nodes.size(), tree.leaves.size());
+    }
 
     /// A new step. The positions must stay where they are until the next one, as many as the tree has vertices.
     /// @param stretch every edge is at most so many times as long as at rest; not above 0: balls are fitted to the

@@ -1,8 +1,10 @@
 // Laws of the pair state: what persists from step to step.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <tuple>
 
 #include <grapeshot/core/instruction_set.hpp>
 #include <grapeshot/narrowphase/pair_update.hpp>
@@ -58,17 +60,37 @@ Bytes bytesOf(const PairState& state, const PairResult& result) {
 
 constexpr int steps = 150;
 
-class PairLaws : public testing::TestWithParam<int> {
+/// A method, and how much it may leave to chance.
+struct Way {
+    const char* name;
+    Method method;
+    std::uint64_t searchWork;
+};
+constexpr std::array ways{Way{"Automatic", Method::automatic, unlimited}, Way{"Adb", Method::adb, unlimited},
+                          Way{"Scf", Method::scf, unlimited}, Way{"ScfSampled", Method::scf, 120}};
+constexpr Way sampled = ways[3];
+
+PairSettings settingsOf(const Way& way) {
+    PairSettings settings;
+    settings.method = way.method;
+    settings.features.searchWork = way.searchWork;
+    return settings;
+}
+
+using Sample = std::tuple<std::size_t, Way>;
+
+class PairLaws : public testing::TestWithParam<Sample> {
   protected:
-    LawPair pair = lawPairs()[static_cast<std::size_t>(GetParam())];
-    MeshModel a = makeModel(pair.a.view());
-    MeshModel b = makeModel(pair.b.view());
+    LawPair pair = lawPairs()[std::get<0>(GetParam())];
+    PairSettings settings = settingsOf(std::get<1>(GetParam()));
+    MeshModel a = makeTrackedModel(pair.a.view());
+    MeshModel b = makeTrackedModel(pair.b.view());
     std::vector<Pose> path = lawPath(a.tree, b.tree, steps, 13);
 
     std::vector<Bytes> walk(PairState& state, std::size_t from, std::size_t to, Budget budget = {}) const {
         std::vector<Bytes> history;
         for (std::size_t i = from; i < to; ++i) {
-            const PairResult result = update(a, b, path[i], {}, budget, state);
+            const PairResult result = update(a, b, path[i], settings, budget, state);
             history.push_back(bytesOf(state, result));
         }
         return history;
@@ -80,7 +102,7 @@ TEST_P(PairLaws, ThePathIsRepresentative) {
     int touching = 0;
     std::size_t contacts = 0;
     for (const Pose& pose : path) {
-        touching += update(a, b, pose, {}, {}, state).collides ? 1 : 0;
+        touching += update(a, b, pose, settings, {}, state).collides ? 1 : 0;
         contacts += state.contacts.slots.size();
     }
     EXPECT_GT(touching, steps / 10);
@@ -117,9 +139,12 @@ TEST_P(PairLaws, ACopiedStateGoesOnLikeTheOriginal) {
 }
 
 TEST_P(PairLaws, KeptCandidatesChangeNoContact) {
-    PairSettings everyStep;
+    if (settings.features.searchWork != unlimited) {
+        GTEST_SKIP() << "what is sampled depends on what was known";
+    }
+    PairSettings everyStep = settings;
     everyStep.slack = 0;
-    PairSettings seldom;
+    PairSettings seldom = settings;
     seldom.slack = 0.15F;
     PairState kept;
     PairState fresh;
@@ -139,7 +164,7 @@ TEST_P(PairLaws, NoContactIsEverNotFinite) {
     PairState state;
     Random random(3);
     for (const Pose& pose : lawPoses(a.tree, b.tree, 150, 17)) {
-        update(a, b, pose, {}, {}, state);
+        update(a, b, pose, settings, {}, state);
         for (const RegionSlot& slot : state.contacts.slots) {
             for (int i = 0; slot.id != 0 && i < slot.count; ++i) {
                 const PersistentPoint& point = slot.points[static_cast<std::size_t>(i)];
@@ -156,18 +181,89 @@ TEST_P(PairLaws, ABadPoseClearsAndTheNextGoodOneRecovers) {
     walk(state, 0, path.size());
     Pose bad = path.back();
     bad.translation.z() = std::numeric_limits<float>::quiet_NaN();
-    const PairResult result = update(a, b, bad, {}, {}, state);
+    const PairResult result = update(a, b, bad, settings, {}, state);
     EXPECT_EQ(result.stop, StopReason::invalidInput);
     EXPECT_FALSE(result.collides);
     for (const RegionSlot& slot : state.contacts.slots) {
         EXPECT_TRUE(slot.id == 0 || slot.count == 0);
     }
     PairState fresh;
-    EXPECT_EQ(update(a, b, path.back(), {}, {}, state).collides, update(a, b, path.back(), {}, {}, fresh).collides);
+    EXPECT_EQ(update(a, b, path.back(), settings, {}, state).collides, update(a, b, path.back(), settings, {}, fresh).collides);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllPairs, PairLaws, testing::Range(0, 4),
-                         [](const auto& sample) { return lawPairs()[static_cast<std::size_t>(sample.param)].name; });
+INSTANTIATE_TEST_SUITE_P(AllPairs, PairLaws,
+                         testing::Combine(testing::Range(std::size_t{0}, std::size_t{4}), testing::ValuesIn(ways)),
+                         [](const auto& sample) {
+                             return lawPairs()[std::get<0>(sample.param)].name + std::get<1>(sample.param).name;
+                         });
+
+/// Laws from one method to another.
+class MethodLaws : public testing::TestWithParam<std::size_t> {
+  protected:
+    LawPair pair = lawPairs()[GetParam()];
+    MeshModel a = makeTrackedModel(pair.a.view());
+    MeshModel b = makeTrackedModel(pair.b.view());
+    std::vector<Pose> path = lawPath(a.tree, b.tree, steps, 13);
+};
+
+TEST_P(MethodLaws, WithoutALimitAllGiveTheSameContacts) {
+    std::array<PairState, 3> states;
+    for (const Pose& pose : path) {
+        std::array<Bytes, 3> found;
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            const PairResult result = update(a, b, pose, settingsOf(ways[i]), {}, states[i]);
+            EXPECT_TRUE(result.certain);
+            EXPECT_EQ(result.method, ways[i].method == Method::scf ? Method::scf : Method::adb);
+            PairState contacts;
+            contacts.contacts = states[i].contacts;
+            PairResult same;
+            same.collides = result.collides;
+            same.rawContacts = result.rawContacts;
+            same.deepContacts = result.deepContacts;
+            found[i] = bytesOf(contacts, same);
+        }
+        EXPECT_EQ(found[1], found[0]);
+        EXPECT_EQ(found[2], found[0]);
+    }
+}
+
+TEST_P(MethodLaws, AModelWithoutFeaturesIsLeftToAdb) {
+    const MeshModel plain = makeModel(pair.b.view());
+    PairState asked;
+    PairState adb;
+    for (const Pose& pose : path) {
+        const PairResult one = update(a, plain, pose, settingsOf(ways[2]), {}, asked);
+        const PairResult other = update(a, plain, pose, settingsOf(ways[1]), {}, adb);
+        EXPECT_EQ(one.method, Method::adb);
+        EXPECT_EQ(bytesOf(asked, one), bytesOf(adb, other));
+    }
+}
+
+/// What is sampled says so, and misses little.
+TEST_P(MethodLaws, SamplesSayThatTheyAreNotCertain) {
+    PairState state;
+    PairState exact;
+    int sampledSteps = 0;
+    int missed = 0;
+    int colliding = 0;
+    for (const Pose& pose : path) {
+        const PairResult one = update(a, b, pose, settingsOf(sampled), {}, state);
+        const PairResult truth = update(a, b, pose, settingsOf(ways[1]), {}, exact);
+        sampledSteps += one.sampled ? 1 : 0;
+        EXPECT_NE(one.certain, one.sampled);
+        EXPECT_EQ(one.stop, one.sampled ? StopReason::probability : StopReason::certain);
+        EXPECT_GE(one.missBound, 0);
+        EXPECT_TRUE(one.sampled || one.missBound == 0);
+        colliding += truth.collides ? 1 : 0;
+        missed += truth.collides && !one.collides ? 1 : 0;
+        EXPECT_TRUE(truth.collides || !one.collides) << "what does not touch is not found";
+    }
+    EXPECT_GT(sampledSteps, steps / 10) << "nothing is ever sampled";
+    EXPECT_LE(missed, 1 + colliding / 50);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllPairs, MethodLaws, testing::Range(std::size_t{0}, std::size_t{4}),
+                         [](const auto& sample) { return lawPairs()[sample.param].name; });
 
 }  // namespace
 }  // namespace grapeshot::test

@@ -1,0 +1,140 @@
+#include <grapeshot/narrowphase/detail/feature_search.hpp>
+
+#include <algorithm>
+
+namespace grapeshot::detail {
+namespace {
+
+/// Between two tries to traverse both trees, after one that took too long.
+constexpr std::uint32_t stepsBetweenTries = 8;
+/// A step of the tracker may exceed its budget by so much.
+constexpr std::uint64_t trackerExcess = 40;
+/// Work units of a step of the tracker below which nothing new is found.
+constexpr std::uint64_t leastTracking = 24;
+/// Pieces of each surface that samples are drawn from. Of rigid bodies few: the candidates are listed in every step.
+constexpr std::uint32_t rigidFrontCells = 64;
+
+SurfaceState stateOf(const MeshModel& model, const Pose* pose) {
+    SurfaceState state;
+    state.positions = model.tree.vertices;
+    if (pose != nullptr) {
+        state.pose = *pose;
+    }
+    state.stretch = Stretch::given(std::max(1.0F, model.featureStretch));
+    return state;
+}
+
+TrackSettings trackSettings(const PairSettings& settings) {
+    TrackSettings track;
+    track.maxDistance = settings.maxDistance;
+    track.spacing = settings.set.regions.spacing / 2;
+    track.followDistance = settings.maxDistance;
+    track.frontCells = rigidFrontCells;
+    track.seed = settings.features.seed;
+    track.pair = settings.features.pair;
+    return track;
+}
+
+/// The exact traversal, within so much. True if it got to the end; the candidates are then those of this pose.
+bool listCandidates(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                    const Budget& budget, Purse& purse, PairState& state, PairSearch& s) {
+    const float reach = settings.maxDistance + slackNow(a, b, bInA, settings, state);
+    forgetCandidates(state);
+    std::uint64_t work = 0;
+    const bool complete = closeLeafPairs(a, b, bInA, reach, budget, s, state.candidates, work);
+    purse.pay(work);
+    if (!complete) {
+        state.candidates.clear();
+        return false;
+    }
+    state.candidatePose = bInA;
+    state.candidateDistance = reach;
+    return true;
+}
+
+/// Features from step to step, and from each all that hangs together with it.
+bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, std::uint64_t most,
+           Purse& purse, PairState& state, PairResult& result, PairSearch& s) {
+    result.sampled = true;
+    result.missBound = std::numeric_limits<double>::infinity();
+    findWitnesses(a, b, state.contacts, s);
+    s.walk.start(a, b);
+    for (const LeafPair& witness : s.witnesses) {
+        s.walk.seed(witness);
+    }
+    bool complete = false;
+    if (most >= leastTracking) {
+        if (!state.tracker) {
+            state.tracker.emplace(a.features->balls, b.features->balls);
+        }
+        Budget share = purse.left();
+        share.work = most;
+        state.tracker->step(stateOf(a, nullptr), stateOf(b, &bInA), trackSettings(settings), share, s.tracked);
+        purse.pay(s.tracked.work);
+        complete = s.tracked.stop != StopReason::invalidInput && s.tracked.carried == 0;
+        result.missBound = s.tracked.miss.missedBound;
+        for (const TrackedContact& contact : s.tracked.contacts) {
+            s.walk.seed({a.leafOf[contact.pair.triangleA], b.leafOf[contact.pair.triangleB]});
+        }
+    }
+    return s.walk.run(purse, s.local) && complete;
+}
+
+}  // namespace
+
+bool closeLeafPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, float reach, const Budget& budget,
+                    PairSearch& s, std::vector<LeafPair>& out, std::uint64_t& work) {
+    const CloseLeafResult found = s.closeLeaves.find(a.features->balls, stateOf(a, nullptr), b.features->balls,
+                                                     stateOf(b, &bInA), reach, budget, s.close);
+    work = found.work;
+    out.clear();
+    for (const CloseLeaves& close : s.close) {
+        for (const FeatureModel::Share& blockA : a.features->sharesOf(close.leafA)) {
+            std::uint32_t lanesB = 0;
+            for (unsigned lane = 0; lane < 16; ++lane) {
+                lanesB |= (blockA.lanes >> lane & 1U) != 0 ? close.row[lane] : 0U;
+            }
+            if (lanesB == 0) {
+                continue;
+            }
+            for (const FeatureModel::Share& blockB : b.features->sharesOf(close.leafB)) {
+                if ((blockB.lanes & lanesB) != 0) {
+                    out.push_back({blockA.block, blockB.block});
+                }
+            }
+        }
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return found.complete;
+}
+
+bool searchFeatures(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
+                    Purse& purse, PairState& state, PairResult& result, PairSearch& s) {
+    result.method = Method::scf;
+    if (canReuse(a, b, bInA, settings, state)) {
+        return testCandidates(purse, state, s);
+    }
+    result.traversed = true;
+    std::uint64_t most = settings.features.searchWork;
+    Budget share = purse.left();
+    if (!purse.isUnlimited()) {
+        most = std::min(most, share.work / 2);  // what is found wants to be tested
+    }
+    const std::uint64_t spent = purse.spent();
+    if (most == unlimited || state.samplingLeft == 0) {
+        share.work = most == unlimited ? unlimited : most / 2;
+        if (listCandidates(a, b, bInA, settings, share, purse, state, s)) {
+            return testCandidates(purse, state, s);
+        }
+        state.samplingLeft = stepsBetweenTries;
+    }
+    --state.samplingLeft;
+    forgetCandidates(state);
+    if (most != unlimited) {
+        most -= std::min(most, purse.spent() - spent + trackerExcess);
+    }
+    return track(a, b, bInA, settings, most, purse, state, result, s);
+}
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,76 @@
+#include <grapeshot/narrowphase/detail/patch_walk.hpp>
+
+#include <algorithm>
+
+namespace grapeshot::detail {
+namespace {
+
+constexpr std::uint64_t looksPerUnit = 16;
+
+}  // namespace
+
+void PatchWalk::start(const MeshModel& a, const MeshModel& b) {
+    m_a = &a;
+    m_b = &b;
+    m_seen.clear();
+    m_open.clear();
+    m_next = 0;
+    m_reached.clear();
+    m_looks = 0;
+}
+
+void PatchWalk::seed(const LeafPair& pair) {
+    std::uint32_t& known = m_seen.at({pair.leafA, pair.leafB}, 0);
+    if (known == 0) {
+        known = 1;
+        m_open.push_back(pair);
+    }
+}
+
+void PatchWalk::addNeighbours(const MeshModel& model, std::uint32_t leaf) {
+    m_neighbours.clear();
+    for (const std::uint32_t triangle : model.tree.leaves[leaf].triangle) {
+        if (triangle == noTriangle) {
+            continue;
+        }
+        for (const std::uint32_t across : model.topology.across[triangle]) {
+            const std::uint32_t other = across != noNeighbour ? model.leafOf[across] : leaf;
+            if (other != leaf && std::ranges::find(m_neighbours, other) == m_neighbours.end()) {
+                m_neighbours.push_back(other);
+            }
+        }
+    }
+}
+
+bool PatchWalk::run(Purse& purse, LocalContactSearch& search) {
+    for (; m_next < m_open.size(); ++m_next) {
+        if (purse.isEmpty()) {
+            return false;
+        }
+        const LeafPair pair = m_open[m_next];
+        if (++m_looks % looksPerUnit == 0) {
+            purse.pay(1);
+        }
+        if (!search.isNear(pair)) {
+            continue;
+        }
+        const std::uint64_t before = search.work();
+        const bool tested = search.add({&pair, 1}, purse.left().work) == 1;
+        purse.pay(search.work() - before);
+        if (!tested) {
+            return false;
+        }
+        m_reached.push_back(pair);
+        addNeighbours(*m_a, pair.leafA);
+        for (const std::uint32_t leaf : m_neighbours) {
+            seed({leaf, pair.leafB});
+        }
+        addNeighbours(*m_b, pair.leafB);
+        for (const std::uint32_t leaf : m_neighbours) {
+            seed({pair.leafA, leaf});
+        }
+    }
+    return true;
+}
+
+}  // namespace grapeshot::detail

@@ -1,0 +1,47 @@
+#include <grapeshot/narrowphase/feature_model.hpp>
+
+#include <algorithm>
+
+namespace grapeshot {
+namespace {
+
+template <class T>
+std::size_t bytesOf(const std::vector<T>& values) {
+    return values.size() * sizeof(T);
+}
+
+std::size_t bytesOf(const IndexLists& lists) {
+    return bytesOf(lists.begin) + bytesOf(lists.all);
+}
+
+}  // namespace
+
+FeatureModel makeFeatureModel(const Tree& tree, std::span<const std::uint32_t> leafOf) {
+    FeatureModel model;
+    model.balls = buildBallTree(tree.mesh());
+    model.shareBegin.push_back(0);
+    for (const BallLeaf& leaf : model.balls.leaves) {
+        const auto first = static_cast<std::ptrdiff_t>(model.shares.size());
+        for (std::uint32_t lane = 0; lane < leaf.count; ++lane) {
+            const std::uint32_t block = leafOf[leaf.triangle[lane]];
+            const auto known = std::find_if(model.shares.begin() + first, model.shares.end(),
+                                            [&](const FeatureModel::Share& share) { return share.block == block; });
+            FeatureModel::Share& share =
+                known != model.shares.end() ? *known : model.shares.emplace_back(FeatureModel::Share{block, 0});
+            share.lanes |= 1U << lane;
+        }
+        model.shareBegin.push_back(static_cast<std::uint32_t>(model.shares.size()));
+    }
+    return model;
+}
+
+std::size_t bytesOf(const FeatureModel& model) {
+    const BallTree& balls = model.balls;
+    const Surface& surface = balls.surface;
+    return bytesOf(surface.rest) + bytesOf(surface.triangles) + bytesOf(surface.ring) + bytesOf(surface.fan) +
+           bytesOf(surface.edges) + bytesOf(surface.edgeSquare) + bytesOf(balls.nodes) + bytesOf(balls.restBalls) +
+           bytesOf(balls.leaves) + bytesOf(balls.leafOfTriangle) + bytesOf(balls.leafVertices) +
+           bytesOf(model.shareBegin) + bytesOf(model.shares);
+}
+
+}  // namespace grapeshot
