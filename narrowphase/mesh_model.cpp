@@ -291,6 +291,14 @@ Sliced copyInSlices(const MeshModel& from, MeshModel& to) {
     co_await copy(from.leafOf, to.leafOf);
 }
 
+Sliced addFeaturesInSlices(MeshModel& model) {
+    if (!model.features) {
+        co_yield mostSlicedPiece;
+        model.features = std::make_shared<const FeatureModel>(makeFeatureModel(model.tree, model.leafOf));
+        model.featureStretch = 1;
+    }
+}
+
 Sliced refitInSlices(MeshModel& model, std::span<const Eigen::Vector3f> vertices) {
     co_await refitInSlices(model.tree, vertices);  // throws before anything changes
     co_await measure(model.tree, model.report);
@@ -300,7 +308,7 @@ Sliced refitInSlices(MeshModel& model, std::span<const Eigen::Vector3f> vertices
         model.featureStretch = measureStretch(model.features->balls.surface, vertices);
         if (!(model.featureStretch <= mostStretch)) {
             model.features.reset();
-            addFeatures(model);
+            co_await addFeaturesInSlices(model);
         }
     }
 }
@@ -323,10 +331,7 @@ MeshModel makeTrackedModel(MeshView mesh, const BuildSettings& settings) {
 }
 
 void addFeatures(MeshModel& model) {
-    if (!model.features) {
-        model.features = std::make_shared<const FeatureModel>(makeFeatureModel(model.tree, model.leafOf));
-        model.featureStretch = 1;
-    }
+    addFeaturesInSlices(model).run();
 }
 
 void refit(MeshModel& model, std::span<const Eigen::Vector3f> vertices) {

@@ -12,6 +12,9 @@ namespace grapeshot {
 /// All but `model.tree`, which is there already. About 5 work units a triangle.
 Sliced makeModelInSlices(MeshModel& model);
 
+/// What Method::scf needs, if it is not there: the ball tree is one piece, which counts as the largest there may be.
+Sliced addFeaturesInSlices(MeshModel& model);
+
 /// All of it.
 Sliced copyInSlices(const MeshModel& from, MeshModel& to);
 

@@ -23,6 +23,7 @@ using Model = std::shared_ptr<const MeshModel>;
 struct CacheKey {
     std::uint64_t low, high;
     int maxLeafTriangles, bins, tuningPoses;
+    bool features;
     friend auto operator<=>(const CacheKey&, const CacheKey&) = default;
 };
 
@@ -97,7 +98,7 @@ struct ModelCache::State {
     }
 
     /// Its tree from the folder, if it is there.
-    Sliced make(MeshView mesh, BuildSettings settings, ContentKey content, Model& model) {
+    Sliced make(MeshView mesh, BuildSettings settings, bool features, ContentKey content, Model& model) {
         auto built = std::make_shared<MeshModel>();
         const std::filesystem::path file = fileOf(content, settings);
         co_yield 1;
@@ -107,6 +108,9 @@ struct ModelCache::State {
             save(built->tree, settings, file);
         }
         co_await makeModelInSlices(*built);
+        if (features) {
+            co_await addFeaturesInSlices(*built);
+        }
         const std::lock_guard lock(mutex);
         ++builds;
         model = std::move(built);
@@ -137,9 +141,10 @@ ModelCache::ModelCache(std::size_t idle, std::filesystem::path folder)
     : m_state(std::make_unique<State>(idle, std::move(folder))) {}
 ModelCache::~ModelCache() = default;
 
-std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSettings& settings) {
+std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSettings& settings, bool features) {
     const ContentKey content = contentKey(mesh);
-    const CacheKey key{content.low, content.high, settings.maxLeafTriangles, settings.bins, settings.tuningPoses};
+    const CacheKey key{content.low,   content.high,         settings.maxLeafTriangles,
+                       settings.bins, settings.tuningPoses, features};
     State& state = *m_state;
     std::list<Model> leaving;  // before the lock, so that it is destroyed after it
     std::promise<Model> promise;
@@ -160,7 +165,7 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
         if (known) {
             if (!sameContent(known->tree.mesh(), mesh)) {  // equal hashes, other mesh: its model is not shared
                 lock.unlock();
-                state.make(mesh, settings, content, known).run();
+                state.make(mesh, settings, features, content, known).run();
                 return known;
             }
             ++state.hits;
@@ -171,7 +176,7 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
     }
     try {
         Model model;
-        state.make(mesh, settings, content, model).run();
+        state.make(mesh, settings, features, content, model).run();
         {
             const std::lock_guard lock(state.mutex);
             state.building.erase(key);
@@ -189,11 +194,13 @@ std::shared_ptr<const MeshModel> ModelCache::get(MeshView mesh, const BuildSetti
     }
 }
 
-Sliced ModelCache::getInSlices(MeshView mesh, BuildSettings settings, std::shared_ptr<const MeshModel>& model) {
+Sliced ModelCache::getInSlices(MeshView mesh, BuildSettings settings, std::shared_ptr<const MeshModel>& model,
+                               bool features) {
     State& state = *m_state;
     ContentKey content;
     co_await contentKeyInSlices(mesh, content);
-    const CacheKey key{content.low, content.high, settings.maxLeafTriangles, settings.bins, settings.tuningPoses};
+    const CacheKey key{content.low,   content.high,         settings.maxLeafTriangles,
+                       settings.bins, settings.tuningPoses, features};
     bool isOther = false;  // equal hashes, other mesh: its model is not shared
     if (const Model known = state.find(key)) {
         bool same = false;
@@ -209,7 +216,7 @@ Sliced ModelCache::getInSlices(MeshView mesh, BuildSettings settings, std::share
         }
     }
     Model made;
-    co_await state.make(mesh, settings, content, made);
+    co_await state.make(mesh, settings, features, content, made);
     std::list<Model> leaving;
     const std::lock_guard lock(state.mutex);
     if (!isOther) {

@@ -23,13 +23,16 @@ class ModelCache {
     ModelCache(const ModelCache&) = delete;
     ModelCache& operator=(const ModelCache&) = delete;
 
-    /// The model of this content, built now if need be. Content is compared, not only hashed.
+    /// The model of this content, built now if need be. Content is compared, not only hashed. Models with and without
+    /// `features` (see MeshModel) are different ones.
     /// @throws Error as `build` does; the cache is unchanged then.
-    std::shared_ptr<const MeshModel> get(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0});
+    std::shared_ptr<const MeshModel> get(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0},
+                                         bool features = false);
 
     /// The same in slices; `model` is set when it is done. What two of them want at once is built twice, and shared
     /// afterwards. Reading and writing a file is one piece, which counts as one unit.
-    Sliced getInSlices(MeshView mesh, BuildSettings settings, std::shared_ptr<const MeshModel>& model);
+    Sliced getInSlices(MeshView mesh, BuildSettings settings, std::shared_ptr<const MeshModel>& model,
+                       bool features = false);
 
     /// From now on trees are kept there. Empty: nowhere.
     void setFolder(std::filesystem::path folder);

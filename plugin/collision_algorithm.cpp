@@ -16,8 +16,11 @@ inline namespace GRAPESHOT_PRECISION {
 using detail::Context;
 using detail::PairProcessor;
 
-AdbCollisionAlgorithm::AdbCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
-                                             std::shared_ptr<Context> context, bool query) noexcept
+static_assert(sizeof(AdbCollisionAlgorithm) == sizeof(MeshCollisionAlgorithm) &&
+              sizeof(ScfCollisionAlgorithm) == sizeof(MeshCollisionAlgorithm));
+
+MeshCollisionAlgorithm::MeshCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
+                                               std::shared_ptr<Context> context, bool query) noexcept
     : btActivatingCollisionAlgorithm(info) {
     try {
         m_pair = std::make_shared<PairProcessor>(info, std::move(context), query);
@@ -26,15 +29,15 @@ AdbCollisionAlgorithm::AdbCollisionAlgorithm(const btCollisionAlgorithmConstruct
     }
 }
 
-AdbCollisionAlgorithm::~AdbCollisionAlgorithm() {
+MeshCollisionAlgorithm::~MeshCollisionAlgorithm() {
     if (m_pair != nullptr) {
         m_pair->close();
     }
 }
 
-void AdbCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
-                                             const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
-                                             btManifoldResult* result) noexcept {
+void MeshCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
+                                              const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
+                                              btManifoldResult* result) noexcept {
     BT_PROFILE("grapeshot.pair");
     // A callback of the program's may remove a body, and with it this algorithm.
     const std::shared_ptr<PairProcessor> pair = m_pair;
@@ -48,12 +51,12 @@ void AdbCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* bod
     }
 }
 
-btScalar AdbCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
-                                                      btManifoldResult*) noexcept {
+btScalar MeshCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                                       btManifoldResult*) noexcept {
     return 1;
 }
 
-void AdbCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) noexcept {
+void MeshCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds) noexcept {
     if (m_pair != nullptr) {
         m_pair->collectManifolds(manifolds);
     }
@@ -85,13 +88,13 @@ btCollisionAlgorithm* createForChildren(btCollisionAlgorithmConstructionInfo& in
 
 }  // namespace
 
-AdbCollisionAlgorithm::CreateFunc::CreateFunc(const Settings& settings, bool query)
+MeshCollisionAlgorithm::CreateFunc::CreateFunc(const Settings& settings, bool query)
     : m_own(std::make_shared<Context>(settings)), m_context(m_own.get()), m_query(query) {}
 
-AdbCollisionAlgorithm::CreateFunc::CreateFunc(Context& context, bool query) noexcept
+MeshCollisionAlgorithm::CreateFunc::CreateFunc(Context& context, bool query) noexcept
     : m_context(&context), m_query(query) {}
 
-btCollisionAlgorithm* AdbCollisionAlgorithm::CreateFunc::CreateCollisionAlgorithm(
+btCollisionAlgorithm* MeshCollisionAlgorithm::CreateFunc::CreateCollisionAlgorithm(
     btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
     const btCollisionObjectWrapper* body1) noexcept {
     const detail::PairKind kind =
@@ -109,14 +112,35 @@ btCollisionAlgorithm* AdbCollisionAlgorithm::CreateFunc::CreateCollisionAlgorith
         return new (place) btEmptyAlgorithm(info);
     }
     m_context->countAlgorithm(body0->getCollisionShape()->getShapeType(), body1->getCollisionShape()->getShapeType());
-    void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(AdbCollisionAlgorithm)));
+    void* place = info.m_dispatcher1->allocateCollisionAlgorithm(static_cast<int>(sizeof(MeshCollisionAlgorithm)));
+    if (m_context->settings.method == Method::scf) {
+        return new (place) ScfCollisionAlgorithm(info, m_context->shared_from_this(), m_query);
+    }
     return new (place) AdbCollisionAlgorithm(info, m_context->shared_from_this(), m_query);
 }
 
+namespace {
+
+Settings by(Method method, Settings settings = {}) {
+    settings.method = method;
+    return settings;
+}
+
+}  // namespace
+
+AdbCollisionAlgorithm::CreateFunc::CreateFunc(const Settings& settings, bool query)
+    : MeshCollisionAlgorithm::CreateFunc(settings.method == Method::scf ? by(Method::adb, settings) : settings, query) {
+}
+
 Status AdbCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher) noexcept {
-    Settings settings;
-    settings.method = Method::adb;
-    return registerAlgorithms(dispatcher, settings);
+    return registerAlgorithms(dispatcher, by(Method::adb));
+}
+
+ScfCollisionAlgorithm::CreateFunc::CreateFunc(const Settings& settings, bool query)
+    : MeshCollisionAlgorithm::CreateFunc(by(Method::scf, settings), query) {}
+
+Status ScfCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher) noexcept {
+    return registerAlgorithms(dispatcher, by(Method::scf));
 }
 
 }  // namespace GRAPESHOT_PRECISION

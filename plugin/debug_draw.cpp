@@ -61,7 +61,7 @@ class Drawing {
                 continue;
             }
             std::optional<Sureness> sureness;
-            if (const auto* ours = dynamic_cast<const AdbCollisionAlgorithm*>(pair.m_algorithm)) {
+            if (const auto* ours = dynamic_cast<const MeshCollisionAlgorithm*>(pair.m_algorithm)) {
                 if (ours->processor() != nullptr && ours->processor()->isOf(m_context)) {
                     const PairResult& last = ours->processor()->share().result;
                     sureness = surenessOf(last.certain && !ours->processor()->standsIn(), last.stop);

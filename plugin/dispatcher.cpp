@@ -35,7 +35,7 @@ PairProcessor* processorOf(btBroadphasePair& pair, btCollisionObject& first, btC
                                              -1, -1);
         pair.m_algorithm = dispatcher.findAlgorithm(&wrap0, &wrap1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
     }
-    const auto* ours = dynamic_cast<AdbCollisionAlgorithm*>(pair.m_algorithm);
+    const auto* ours = dynamic_cast<MeshCollisionAlgorithm*>(pair.m_algorithm);
     return ours != nullptr ? ours->processor() : nullptr;
 }
 

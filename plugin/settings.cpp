@@ -11,13 +11,14 @@ Settings Settings::exact() noexcept {
     Settings settings;
     settings.maxManifolds = 16;
     settings.reuse = 0;
+    settings.searchWork = unlimited;
     return settings;
 }
 
 bool isValid(const Settings& settings) noexcept {
     // Written so that a NaN is out of range.
     const auto share = [](float value, float most) { return value > 0 && value <= most; };
-    const bool knownMethod = settings.method == Method::automatic || settings.method == Method::adb;
+    const bool knownMethod = settings.method >= Method::automatic && settings.method <= Method::scf;
     const bool knownInterior = settings.interior == Interior::surface || settings.interior == Interior::solid;
     return knownMethod && knownInterior && settings.maxManifolds >= 1 && settings.maxManifolds <= 16 &&
            share(settings.contactSpacing, 10) && share(settings.mergeDistance, 1) && settings.slack >= 0 &&

@@ -5,6 +5,7 @@
 
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
+#include <grapeshot/narrowphase/method.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
 class btCollisionObject;
@@ -12,16 +13,16 @@ class btCollisionObject;
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 
-/// How contacts of mesh pairs are found.
-enum class Method {
-    automatic,  ///< the best there is for the pair; today: adb
-    adb,        ///< average-distribution trees, exact triangle tests at the leaves
-};
-
 /// Lengths that are given as shares are multiples of the pair's size: half the diagonal of the box around the smaller
 /// of its two bodies. So one setting serves pebbles and ships.
 struct Settings {
+    /// How contacts of mesh pairs are found; see there. Scf builds a ball tree of each mesh too: about 5 us and 160
+    /// bytes a triangle more, in one piece when the shape is first met (see prebuild).
     Method method = Method::automatic;
+    /// Method::scf: work units of a step that may go into finding where two meshes are near. What takes more is tracked
+    /// and sampled: such answers are not certain (see PairStatistics::missBound). Larger: fewer of these; smaller:
+    /// cheaper steps where bodies are tangled, and contacts that are found late.
+    std::uint64_t searchWork = 1024;
     /// Solid: of two closed meshes one inside the other collides. Surface: only where the surfaces meet; a body inside
     /// a hollow one is free.
     Interior interior = Interior::solid;
@@ -42,7 +43,7 @@ struct Settings {
     float (*pairWeight)(const btCollisionObject&, const btCollisionObject&) noexcept = nullptr;
     /// The same for one pair of a query: contactTest, contactPairTest.
     Budget queryBudget = {};
-    /// Of everything random. Nothing is, so far.
+    /// Of everything random: the samples of Method::scf.
     std::uint64_t seed = 1;
     /// Most contact manifolds (of four points each) of a pair: 1..16. More: the solver works longer; fewer: bodies that
     /// touch in many places rock. The shallowest are left out.
@@ -78,7 +79,7 @@ struct Settings {
     /// of what lies below a triangle's plane.
     bool bvhConvexPairs = false;
 
-    /// Nothing is left out: no budgets, most manifolds, a search in every step.
+    /// Nothing is left out: no budgets, nothing sampled, most manifolds, a search in every step.
     [[nodiscard]] static Settings exact() noexcept;
 };
 

@@ -19,7 +19,7 @@ void notifyChanged(const btCollisionShape* shape) noexcept {
     }
 }
 
-Status prebuild(const btCollisionShape* shape) noexcept {
+Status prebuild(const btCollisionShape* shape, Method method) noexcept {
     if (shape == nullptr) {
         return Status::nullPointer;
     }
@@ -28,7 +28,8 @@ Status prebuild(const btCollisionShape* shape) noexcept {
     }
     try {
         detail::ShapeModels& models = detail::ShapeModels::instance();
-        const auto model = models.entry(*shape)->model(*shape, models.cache(), detail::Check::thorough, 0);
+        const auto model =
+            models.entry(*shape)->model(*shape, models.cache(), detail::Check::thorough, 0, method == Method::scf);
         return model->mesh ? Status::ok : Status::unusableMesh;
     } catch (...) {
         return Status::outOfMemory;

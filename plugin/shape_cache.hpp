@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include <grapeshot/narrowphase/method.hpp>
+#include <grapeshot/plugin/precision.hpp>
 #include <grapeshot/plugin/status.hpp>
 
 class btCollisionShape;
@@ -19,6 +21,8 @@ void notifyChanged(const btCollisionShape* shape) noexcept;
 
 /// Builds the tree of a mesh shape now (about 2 us per triangle) instead of when it first comes near another. Shapes
 /// with the same content share one tree. At most 64 trees that nobody uses are kept.
+/// @param method that the shape will be used with: for scf its ball tree is built, too (about 5 us per triangle more),
+/// which else is done in one piece when the shape first comes near another, whatever the budget
 ///
 /// Without it: where a Dispatcher's budget is limited, trees are built in slices, about 12 work units per triangle out
 /// of a quarter of each frame's budget and what the pairs leave of it, while a pair with the shape is there; 64 units a
@@ -26,7 +30,7 @@ void notifyChanged(const btCollisionShape* shape) noexcept;
 /// stand in for it (about 4,000 units, once, beyond the budget if need be; up to 512 triangles: the tree itself); for
 /// an edited shape, what it was before. Such pairs count as degraded. Everywhere else, at once. How soon it is there
 /// depends on what the process has met before: for the same bytes in every run, call this.
-Status prebuild(const btCollisionShape* shape) noexcept;
+Status prebuild(const btCollisionShape* shape, Method method = Method::automatic) noexcept;
 
 /// Trees of all shapes of the process are kept in this folder too from now on, and read from it; one file is read or
 /// written at once. It is made when needed; "" is nowhere, as in the beginning. A file that is of no use is ignored,

@@ -28,7 +28,7 @@ using detail::PairProcessor;
 using detail::SavedPair;
 
 constexpr std::array<char, 8> title{'G', 'S', 'S', 'T', 'A', 'T', 'E', '\n'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 constexpr std::size_t headerBytes = title.size() + 4 + 4 + 8 + 16;
 
 /// The parts of a world that are saved.
@@ -74,7 +74,7 @@ class KeyTable {
 
 /// Null: not ours, or nothing to remember.
 PairProcessor* processorOf(const Scene& scene, btCollisionAlgorithm* algorithm) {
-    const auto* ours = dynamic_cast<AdbCollisionAlgorithm*>(algorithm);
+    const auto* ours = dynamic_cast<MeshCollisionAlgorithm*>(algorithm);
     PairProcessor* processor = ours != nullptr ? ours->processor() : nullptr;
     return processor != nullptr && processor->isOf(*scene.context) ? processor : nullptr;
 }
@@ -204,7 +204,9 @@ class Planner {
             std::shared_ptr<const detail::ShapeModel>& model = m_models[shapes[i]];
             if (model == nullptr) {
                 detail::ShapeModels& all = detail::ShapeModels::instance();
-                model = all.entry(*shapes[i])->model(*shapes[i], all.cache(), detail::Check::thorough, 0);
+                model = all.entry(*shapes[i])
+                            ->model(*shapes[i], all.cache(), detail::Check::thorough, 0,
+                                    m_scene.context->settings.method == Method::scf);
             }
             if (!model->mesh) {
                 return false;

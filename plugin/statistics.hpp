@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <grapeshot/core/budget.hpp>
+#include <grapeshot/narrowphase/method.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
 class btCollisionDispatcher;
@@ -17,16 +18,22 @@ inline namespace GRAPESHOT_PRECISION {
 struct PairStatistics {
     int proxyA = -1;  ///< ids of the two broadphase proxies (btBroadphaseProxy::getUid), -1 if the body has none
     int proxyB = -1;
-    std::uint64_t work = 0;                      ///< calls of a 16-wide kernel
-    std::uint64_t slice = 0;                     ///< most that it was given, work units; `unlimited` without a budget
-    std::uint32_t age = 0;                       ///< steps in a row cut short without more than the mandatory slice
-    std::uint32_t candidates = 0;                ///< leaf pairs tested
-    int contacts = 0;                            ///< points given to Bullet
-    int speculative = 0;                         ///< of these, ahead of time
-    int manifolds = 0;                           ///< non-empty ones
-    std::uint32_t droppedRegions = 0;            ///< beyond Settings::maxManifolds
-    float deepest = 0;                           ///< largest penetration, margins included, m; 0 if none
-    bool certain = false;                        ///< nothing within the distance (refreshed: that touches) was left out
+    std::uint64_t work = 0;            ///< calls of a 16-wide kernel
+    std::uint64_t slice = 0;           ///< most that it was given, work units; `unlimited` without a budget
+    std::uint32_t age = 0;             ///< steps in a row cut short without more than the mandatory slice
+    std::uint32_t candidates = 0;      ///< leaf pairs tested
+    int contacts = 0;                  ///< points given to Bullet
+    int speculative = 0;               ///< of these, ahead of time
+    int manifolds = 0;                 ///< non-empty ones
+    std::uint32_t droppedRegions = 0;  ///< beyond Settings::maxManifolds
+    float deepest = 0;                 ///< largest penetration, margins included, m; 0 if none
+    bool certain = false;              ///< nothing within the distance (refreshed: that touches) was left out
+    Method method = Method::adb;       ///< whose trees served it: adb or scf
+    bool sampled = false;              ///< by scf, whose features were tracked and sampled
+    bool leftToAdb = false;            ///< asked of scf, but for want of ball trees served by adb
+    /// Of a sampled pair: pairs of pieces of both surfaces that touch and where nothing was found, bound at 95 %;
+    /// infinite if the budget ended before it was known.
+    double missBound = 0;
     bool traversed = false;                      ///< the trees were traversed, candidates collected anew
     bool refreshed = false;                      ///< known contacts were brought up to date, see Settings::reuse
     StopReason stop = StopReason::invalidInput;  ///< invalidInput: refused, no contacts
@@ -56,6 +63,9 @@ struct StepStatistics {
     float deepest = 0;                  ///< m
     int traversals = 0;                 ///< pairs whose trees were traversed
     int refreshed = 0;                  ///< pairs that had moved too little to be searched
+    int tracked = 0;                    ///< pairs that scf served
+    int sampled = 0;                    ///< of these, pairs whose features were tracked and sampled
+    int leftToAdb = 0;                  ///< pairs asked of scf that adb served: a stand-in for a mesh in the making
     int degraded = 0;                   ///< pairs cut short by their budget: they go on in the next step
     std::uint32_t longestWait = 0;      ///< largest age of a pair, steps
     int refused = 0;                    ///< pairs without an answer: unusable mesh, pose that is not rigid or no number

@@ -58,9 +58,9 @@ void install(Engine engine, btCollisionDispatcher& dispatcher, const Settings& s
     }
 }
 
-void prepare(Engine engine, const btCollisionShape& shape) {
+void prepare(Engine engine, const btCollisionShape& shape, Method method) {
     if (engine == Engine::grapeshot) {
-        if (const Status status = prebuild(&shape); status != Status::ok) {
+        if (const Status status = prebuild(&shape, method); status != Status::ok) {
             throw Error(Fault::noSurface, std::string(name(status)), "prebuild");
         }
     }

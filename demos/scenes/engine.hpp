@@ -40,7 +40,7 @@ class TimedDispatcher : public Dispatcher {
 /// Throws Error (badSetting) if the library refuses the settings.
 void install(Engine engine, btCollisionDispatcher& dispatcher, const Settings& settings);
 /// What GImpact does when a shape is made: builds the tree now, and not in the first step that needs it.
-void prepare(Engine engine, const btCollisionShape& shape);
+void prepare(Engine engine, const btCollisionShape& shape, Method method = Method::automatic);
 /// To be called when the world is gone and before the dispatcher goes.
 void uninstall(Engine engine, btCollisionDispatcher& dispatcher);
 

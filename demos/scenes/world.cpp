@@ -155,7 +155,7 @@ std::size_t World::addMesh(const Mesh& mesh, MeshKind kind) {
     } else {
         entry.shape =
             kind == MeshKind::bvh ? detail::bvhShape(entry.mesh, margin) : detail::gimpactShape(entry.mesh, margin);
-        prepare(m_state->settings.engine, *entry.shape.shape);
+        prepare(m_state->settings.engine, *entry.shape.shape, m_state->settings.settings.method);
     }
     return m_state->meshes.size() - 1;
 }
@@ -203,7 +203,7 @@ std::size_t World::addMeshFloor(const Mesh& mesh, const PoseD& pose) {
     entry.mesh = mesh;
     entry.radius = radiusOf(mesh);
     entry.shape = detail::bvhShape(entry.mesh, m_state->settings.margin);
-    prepare(m_state->settings.engine, *entry.shape.shape);
+    prepare(m_state->settings.engine, *entry.shape.shape, m_state->settings.settings.method);
     Body body;
     body.mesh = m_state->meshes.size() - 1;
     return m_state->add(std::move(body), *entry.shape.shape, pose, Vector3d::Zero(), {});

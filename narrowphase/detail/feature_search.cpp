@@ -1,6 +1,7 @@
 #include <grapeshot/narrowphase/detail/feature_search.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace grapeshot::detail {
 namespace {
@@ -53,7 +54,7 @@ bool listCandidates(const MeshModel& a, const MeshModel& b, const Pose& bInA, co
 }
 
 /// Features from step to step, and from each all that hangs together with it.
-bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, std::uint64_t most,
+bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget share,
            Purse& purse, PairState& state, PairResult& result, PairSearch& s) {
     result.sampled = true;
     result.missBound = std::numeric_limits<double>::infinity();
@@ -62,22 +63,21 @@ bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairS
     for (const LeafPair& witness : s.witnesses) {
         s.walk.seed(witness);
     }
-    bool complete = false;
-    if (most >= leastTracking) {
-        if (!state.tracker) {
-            state.tracker.emplace(a.features->balls, b.features->balls);
-        }
-        Budget share = purse.left();
-        share.work = most;
-        state.tracker->step(stateOf(a, nullptr), stateOf(b, &bInA), trackSettings(settings), share, s.tracked);
-        purse.pay(s.tracked.work);
-        complete = s.tracked.stop != StopReason::invalidInput && s.tracked.carried == 0;
-        result.missBound = s.tracked.miss.missedBound;
-        for (const TrackedContact& contact : s.tracked.contacts) {
-            s.walk.seed({a.leafOf[contact.pair.triangleA], b.leafOf[contact.pair.triangleB]});
-        }
+    if (share.work < trackerExcess + leastTracking) {
+        static_cast<void>(s.walk.run(purse, s.local));
+        return false;
     }
-    return s.walk.run(purse, s.local) && complete;
+    if (!state.tracker) {
+        state.tracker.emplace(a.features->balls, b.features->balls);
+    }
+    share.work -= share.work == unlimited ? 0 : trackerExcess;
+    state.tracker->step(stateOf(a, nullptr), stateOf(b, &bInA), trackSettings(settings), share, s.tracked);
+    purse.pay(s.tracked.work);
+    result.missBound = s.tracked.miss.missedBound;
+    for (const TrackedContact& contact : s.tracked.contacts) {
+        s.walk.seed({a.leafOf[contact.pair.triangleA], b.leafOf[contact.pair.triangleB]});
+    }
+    return s.walk.run(purse, s.local) && s.tracked.stop != StopReason::invalidInput;
 }
 
 }  // namespace
@@ -116,14 +116,13 @@ bool searchFeatures(const MeshModel& a, const MeshModel& b, const Pose& bInA, co
         return testCandidates(purse, state, s);
     }
     result.traversed = true;
-    std::uint64_t most = settings.features.searchWork;
     Budget share = purse.left();
+    share.work = settings.features.searchWork;
     if (!purse.isUnlimited()) {
-        most = std::min(most, share.work / 2);  // what is found wants to be tested
+        share.work = std::min(share.work, purse.left().work / 2);  // what is found wants to be tested
     }
-    const std::uint64_t spent = purse.spent();
-    if (most == unlimited || state.samplingLeft == 0) {
-        share.work = most == unlimited ? unlimited : most / 2;
+    share.work = share.work == unlimited ? unlimited : share.work / 2;
+    if (share.work == unlimited || state.samplingLeft == 0) {
         if (listCandidates(a, b, bInA, settings, share, purse, state, s)) {
             return testCandidates(purse, state, s);
         }
@@ -131,10 +130,8 @@ bool searchFeatures(const MeshModel& a, const MeshModel& b, const Pose& bInA, co
     }
     --state.samplingLeft;
     forgetCandidates(state);
-    if (most != unlimited) {
-        most -= std::min(most, purse.spent() - spent + trackerExcess);
-    }
-    return track(a, b, bInA, settings, most, purse, state, result, s);
+    share.time = purse.left().time;
+    return track(a, b, bInA, settings, share, purse, state, result, s);
 }
 
 }  // namespace grapeshot::detail

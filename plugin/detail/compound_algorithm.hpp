@@ -19,7 +19,7 @@ class ChildPairs;
 
 /// At least one of the two shapes is a btGImpactCompoundShape; if both are, the children of the first meet the whole
 /// second. The other may be anything that the dispatcher has an algorithm for against the children. Children and shapes
-/// may be others in each step. As small as the pool wants it: see AdbCollisionAlgorithm.
+/// may be others in each step. As small as the pool wants it: see MeshCollisionAlgorithm.
 class CompoundAlgorithm final : public btActivatingCollisionAlgorithm {
   public:
     /// @throws std::bad_alloc

@@ -27,8 +27,8 @@ std::uint64_t nextSerial() {
 }  // namespace
 
 Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()) {
-    creators[0] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, false);
-    creators[1] = std::make_unique<AdbCollisionAlgorithm::CreateFunc>(*this, true);
+    creators[0] = std::make_unique<MeshCollisionAlgorithm::CreateFunc>(*this, false);
+    creators[1] = std::make_unique<MeshCollisionAlgorithm::CreateFunc>(*this, true);
     gimpact = std::make_unique<btGImpactCollisionAlgorithm::CreateFunc>();
     // All pairs of types, so that counting cannot fail.
     statistics.taken.reserve(std::size_t{MAX_BROADPHASE_COLLISION_TYPES} * (MAX_BROADPHASE_COLLISION_TYPES + 1) / 2);
@@ -188,6 +188,7 @@ void Context::beginStep() {
     ++s.step;
     s.work = s.candidates = s.droppedRegions = 0;
     s.contacts = s.speculative = s.manifolds = s.traversals = s.refreshed = s.degraded = s.refused = 0;
+    s.tracked = s.sampled = s.leftToAdb = 0;
     s.deepest = 0;
     s.longestWait = 0;
     s.budget = unlimited;
@@ -222,6 +223,9 @@ void Context::record(const PairStatistics& pair) {
     s.manifolds += pair.manifolds;
     s.traversals += pair.traversed ? 1 : 0;
     s.refreshed += pair.refreshed ? 1 : 0;
+    s.tracked += pair.method == Method::scf ? 1 : 0;
+    s.sampled += pair.sampled ? 1 : 0;
+    s.leftToAdb += pair.leftToAdb ? 1 : 0;
     s.degraded += pair.stop == StopReason::budget ? 1 : 0;
     s.longestWait = std::max(s.longestWait, pair.age);
     s.deepest = std::max(s.deepest, pair.deepest);

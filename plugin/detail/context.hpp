@@ -72,7 +72,7 @@ struct Context : std::enable_shared_from_this<Context> {
     bool dispatching = false;                           ///< it is between the begin and the end of a dispatch
     StepStatistics statistics;
     std::vector<Cell> cells;
-    std::array<std::unique_ptr<AdbCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table
+    std::array<std::unique_ptr<MeshCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table
     std::unique_ptr<btCollisionAlgorithmCreateFunc> gimpact;
     bool lostCells = false;  ///< somebody took one of our places, and may have kept our creator as the one before him
     std::uint64_t settingsVersion = 0;  ///< rises when settings are set

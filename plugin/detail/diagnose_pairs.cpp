@@ -157,7 +157,7 @@ class PairFinder {
             const auto* second = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
             if (pair.m_algorithm == nullptr ||
                 !wouldBeOurs(*first->getCollisionShape(), *second->getCollisionShape()) ||
-                dynamic_cast<const AdbCollisionAlgorithm*>(pair.m_algorithm) != nullptr) {
+                dynamic_cast<const MeshCollisionAlgorithm*>(pair.m_algorithm) != nullptr) {
                 continue;
             }
             if (finding.value++ == 0) {

@@ -45,6 +45,8 @@ PairSize sizeOf(const PairShapes& shapes) {
 PairSettings pairSettings(const PairTask& task) {
     const Settings& chosen = *task.settings;
     PairSettings settings;
+    settings.method = chosen.method;
+    settings.features = {chosen.searchWork, chosen.seed, task.pair};
     settings.maxDistance = task.maxDistance;
     settings.slack = chosen.slack * task.size.size;
     settings.reuseMotion = chosen.reuse * task.breaking;
@@ -81,7 +83,7 @@ PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
     if (task.closestDistance > task.maxDistance) {
         findClosest(shapes, task, settings, pose, result);
     }
-    if (sweeps && (result.certain || !touched)) {
+    if (sweeps && (result.stop != StopReason::budget || !touched)) {
         budget = task.budget;
         if (budget.work != unlimited) {
             budget.work -= std::min(budget.work, result.work);

@@ -34,6 +34,7 @@ struct PairSize {
 /// What to look for in one step.
 struct PairTask {
     const Settings* settings = nullptr;
+    std::uint64_t pair = 0;  ///< see `pairKey`
     Budget budget;
     PairSize size;
     float maxDistance = 0;      ///< of the surfaces: margins and breaking threshold, m

@@ -139,11 +139,7 @@ bool PairProcessor::wasCutShort() const {
 }
 
 std::uint64_t PairProcessor::key() const {
-    const auto idOf = [](const btCollisionObjectWrapper& body) {
-        const btBroadphaseProxy* proxy = body.getCollisionObject()->getBroadphaseHandle();
-        return proxy != nullptr ? static_cast<std::uint32_t>(proxy->getUid()) : 0xffffffffU;
-    };
-    return pairKey(idOf(*m_ahead->bodies[0]), idOf(*m_ahead->bodies[1]));
+    return keyOf(*m_ahead->bodies[0], *m_ahead->bodies[1]);
 }
 
 std::uint64_t PairProcessor::mandatory() const {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include <grapeshot/core/random.hpp>
 #include <grapeshot/narrowphase/schedule.hpp>
 #include <grapeshot/plugin/detail/pair_ahead.hpp>
 #include <grapeshot/plugin/detail/swept_contacts.hpp>
@@ -39,6 +40,10 @@ PairProcessor::PairProcessor(const btCollisionAlgorithmConstructionInfo& info, s
       m_query(query),
       m_writer(*info.m_dispatcher1, info.m_manifold),
       m_shared(info.m_manifold) {}
+
+std::uint64_t PairProcessor::keyOf(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
+    return pairKey(static_cast<std::uint32_t>(proxyOf(first)), static_cast<std::uint32_t>(proxyOf(second)));
+}
 
 PairProcessor::~PairProcessor() {
     dropDelegate();
@@ -184,9 +189,9 @@ bool PairProcessor::findModels(const Bodies& bodies, bool rebound, PairShapes& s
             continue;
         }
         std::uint64_t work = 0;
-        std::shared_ptr<const ShapeModel> model =
-            m_entries[i]->model(*m_shapes[i], ShapeModels::instance().cache(),
-                                rebound ? Check::thorough : Check::sampled, step, pace, work);
+        std::shared_ptr<const ShapeModel> model = m_entries[i]->model(
+            *m_shapes[i], ShapeModels::instance().cache(), rebound ? Check::thorough : Check::sampled, step, pace, work,
+            m_context->settings.method == Method::scf);
         if (frame != nullptr) {
             frame->payBuilding(work, work);
             if (m_entries[i]->isBuilding() &&
@@ -239,6 +244,7 @@ void PairProcessor::goOnBuilding() {
 PairTask PairProcessor::task(const PairShapes& shapes, btScalar timeStep, btScalar closestDistance) const {
     PairTask task;
     task.settings = &m_context->settings;
+    task.pair = keyOf(*shapes.a, *shapes.b);
     task.budget = m_query ? m_context->settings.queryBudget : m_context->settings.pairBudget;
     task.size = m_size;
     const btScalar margins = shapes.marginA + shapes.marginB;
@@ -287,6 +293,7 @@ void PairProcessor::addResult(PairResult more) {
     more.candidates += sum.candidates;
     more.traversed = more.traversed || sum.traversed;
     more.collides = more.collides || sum.collides;
+    more.sampled = more.sampled || (sum.sampled && !more.certain);
     sum = more;
 }
 
@@ -339,6 +346,11 @@ void PairProcessor::report(const Bodies& bodies, const Written& written, const s
     pair.traversed = found.traversed;
     pair.refreshed = found.refreshed;
     pair.certain = found.certain && !standsIn();
+    pair.method = found.method;
+    pair.sampled = found.sampled;
+    pair.missBound = found.missBound;
+    pair.leftToAdb = m_context->settings.method == Method::scf && m_kind == PairKind::meshMesh && refusal == nullptr &&
+                     found.method != Method::scf;
     pair.stop = found.stop == StopReason::certain && standsIn() ? StopReason::budget : found.stop;
     pair.droppedRegions = refusal != nullptr ? 0 : m_contacts.now().droppedRegions;
     pair.contacts = written.contacts;

@@ -1,4 +1,4 @@
-// What AdbCollisionAlgorithm does, behind its pointer: looks at the two shapes anew in every step, since the program
+// What MeshCollisionAlgorithm does, behind its pointer: looks at the two shapes anew in every step, since the program
 // may have put other ones on the bodies, finds the contacts and hands them to Bullet.
 #pragma once
 
@@ -82,6 +82,9 @@ class PairProcessor {
     /// What is known ahead of Bullet's pass.
     struct Ahead;
 
+    /// By the ids of their broadphase proxies.
+    [[nodiscard]] static std::uint64_t keyOf(const btCollisionObjectWrapper& first,
+                                             const btCollisionObjectWrapper& second);
     /// Are these, or what is to be done about them, others than last time?
     [[nodiscard]] bool isChanged(const btCollisionShape& shape0, const btCollisionShape& shape1) const;
     /// True if they were.

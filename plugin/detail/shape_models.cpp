@@ -44,8 +44,12 @@ bool visitSample(std::size_t size, std::size_t count, std::size_t phase, Visit&&
 }  // namespace
 
 std::shared_ptr<const ShapeModel> ShapeEntry::model(const btCollisionShape& shape, ModelCache& cache, Check check,
-                                                    std::uint64_t step, Pace pace, std::uint64_t& work) {
+                                                    std::uint64_t step, Pace pace, std::uint64_t& work, bool features) {
     const std::lock_guard lock(m_mutex);
+    if (features && !m_features) {
+        m_features = true;
+        m_changed = m_changed || m_model != nullptr || m_building != nullptr;
+    }
     if (m_building != nullptr && pace == Pace::beside) {
         return m_model;
     }
@@ -184,7 +188,7 @@ bool ShapeEntry::isUnchanged(std::span<const Eigen::Vector3f> readVertices, std:
     return true;
 }
 
-Sliced ShapeEntry::build(Building& building, ModelCache& cache) {
+Sliced ShapeEntry::build(Building& building, ModelCache& cache, bool features) {
     co_await readMeshInSlices(building.sources, building.mesh);
     const ShapeMesh& mesh = building.mesh;
     ShapeModel& made = *building.made;
@@ -203,7 +207,7 @@ Sliced ShapeEntry::build(Building& building, ModelCache& cache) {
     }
     if (!sameTriangles) {
         made.topology = nextTopology();
-        co_await cache.getInSlices(mesh.view(), {.tuningPoses = 0}, made.mesh);
+        co_await cache.getInSlices(mesh.view(), {.tuningPoses = 0}, made.mesh, features);
         co_return;
     }
     made.topology = building.old->topology;
@@ -215,14 +219,19 @@ Sliced ShapeEntry::build(Building& building, ModelCache& cache) {
                                        old->tree.vertices.begin() + static_cast<std::ptrdiff_t>(begin), sameBits);
     };
     co_await inPieces(0, mesh.vertices.size(), 64, compare);
-    if (sameVertices) {
+    if (sameVertices && (!features || old->features)) {
         made.mesh = building.old->mesh;
         co_return;
     }
     // The old one may be in use by other shapes and other threads.
     auto moved = std::make_shared<MeshModel>();
     co_await copyInSlices(*old, *moved);
-    co_await refitInSlices(*moved, mesh.vertices);
+    if (!sameVertices) {
+        co_await refitInSlices(*moved, mesh.vertices);
+    }
+    if (features) {
+        co_await addFeaturesInSlices(*moved);
+    }
     made.mesh = std::move(moved);
 }
 
@@ -260,7 +269,7 @@ void ShapeEntry::read(ModelCache& cache, Pace pace, bool edited, std::uint64_t& 
     m_building = std::make_unique<Building>();
     m_building->sources = m_sources;
     m_building->old = m_letGo ? nullptr : std::move(old);
-    m_building->work.emplace(build(*m_building, cache));
+    m_building->work.emplace(build(*m_building, cache, m_features));
     if (pace == Pace::inSlices && triangles > 2 * sampledShapeTriangles) {
         m_model = standIn(edited, work);
         return;

@@ -49,12 +49,13 @@ class ShapeEntry {
   public:
     /// The shape's model now. Looks at the shape, but only once per `step` if that is not 0. Adds to `work` (units)
     /// what is built at once, if the pace is inSlices.
+    /// @param features with what Method::scf needs, from now on; a stand-in has it not
     std::shared_ptr<const ShapeModel> model(const btCollisionShape& shape, ModelCache& cache, Check check,
-                                            std::uint64_t step, Pace pace, std::uint64_t& work);
+                                            std::uint64_t step, Pace pace, std::uint64_t& work, bool features = false);
     std::shared_ptr<const ShapeModel> model(const btCollisionShape& shape, ModelCache& cache, Check check,
-                                            std::uint64_t step) {
+                                            std::uint64_t step, bool features = false) {
         std::uint64_t work = 0;
-        return model(shape, cache, check, step, Pace::atOnce, work);
+        return model(shape, cache, check, step, Pace::atOnce, work, features);
     }
     void notifyChanged();
     /// Nobody holds it: until the next look another shape may take the address, whose tree must not depend on this one.
@@ -75,7 +76,7 @@ class ShapeEntry {
         std::shared_ptr<ShapeModel> made = std::make_shared<ShapeModel>();
         std::optional<Sliced> work;
     };
-    Sliced build(Building& building, ModelCache& cache);
+    Sliced build(Building& building, ModelCache& cache, bool features);
     void finish();
     void fail(const std::string& error);
     std::shared_ptr<const ShapeModel> standIn(bool edited, std::uint64_t& work) const;
@@ -94,6 +95,7 @@ class ShapeEntry {
     std::uint64_t m_checkedStep = 0;
     std::uint64_t m_thoroughStep = 0;
     std::size_t m_cursor = 0;  // where the next sample begins
+    bool m_features = false;   // somebody has asked for them
     bool m_changed = false;
     bool m_letGo = false;
 };

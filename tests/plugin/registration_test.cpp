@@ -34,7 +34,7 @@ Tables tablesOf(const btCollisionDispatcher& dispatcher) {
 }
 
 bool isOurs(const btCollisionDispatcher& dispatcher, Table table, int i, int j) {
-    return dynamic_cast<AdbCollisionAlgorithm::CreateFunc*>(creatorIn(dispatcher, table, i, j)) != nullptr;
+    return dynamic_cast<MeshCollisionAlgorithm::CreateFunc*>(creatorIn(dispatcher, table, i, j)) != nullptr;
 }
 
 struct Dispatching : testing::Test {
