@@ -65,7 +65,8 @@ CloseLeafResult CloseLeafSearch::find(const BallTree& a, const SurfaceState& sta
         w.stack.pop_back();
         if (leaves) {
             CloseLeaves close{ballIndex(pair.a), ballIndex(pair.b), {}};
-            result.work += detail::closeRows(w.a->leaf(close.leafA), w.b->leaf(close.leafB), maxDistance, -1, close.row);
+            result.work +=
+                detail::closeRows(w.a->leaf(close.leafA), w.b->leaf(close.leafB), maxDistance, -1, close.row);
             std::uint32_t any = 0;
             for (const std::uint16_t row : close.row) {
                 any |= row;

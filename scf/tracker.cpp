@@ -23,10 +23,10 @@ bool isUsable(const TrackSettings& s) {
 }  // namespace
 
 struct Tracker::State {
-    State(const BallTree& first, const BallTree& second) : a(&first), b(&second) {}
-    State(const State& other) : a(other.a), b(other.b), memory(other.memory) {}
+    State(const BallTree& first, const BallTree& second, bool self) : a(&first), b(&second), oneBody(self) {}
+    State(const State& other) : a(other.a), b(other.b), oneBody(other.oneBody), memory(other.memory) {}
     State& operator=(const State&) = delete;
-    [[nodiscard]] bool isSelf() const { return a == b; }
+    [[nodiscard]] bool isSelf() const { return oneBody; }
 
     void step(const SurfaceState& stateA, const SurfaceState* stateB, const TrackSettings& settings,
               const Budget& budget, TrackResult& out);
@@ -39,7 +39,8 @@ struct Tracker::State {
     void refuse(Fault fault, TrackResult& out) const;
 
     const BallTree* a;
-    const BallTree* b;
+    const BallTree* b;  ///< two bodies may share a tree
+    bool oneBody;
     detail::TrackerMemory memory;
     std::unique_ptr<detail::TrackerScratch> scratch;
 };
@@ -98,7 +99,7 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
         }
     }
     if (!scratch) {
-        scratch = std::make_unique<detail::TrackerScratch>(*a, *b);
+        scratch = std::make_unique<detail::TrackerScratch>(*a, *b, oneBody);
     }
     cut(settings);
     const detail::Placed posedA = detail::place(stateA, scratch->a);
@@ -153,7 +154,7 @@ void Tracker::State::step(const SurfaceMotion& motionA, const SurfaceMotion* mot
         return refuse(Fault::notFinite, out);
     }
     if (!scratch) {
-        scratch = std::make_unique<detail::TrackerScratch>(*a, *b);
+        scratch = std::make_unique<detail::TrackerScratch>(*a, *b, oneBody);
     }
     cut(settings);
     if (!scratch->movingA) {
@@ -204,8 +205,8 @@ void Tracker::State::stepWithin(SurfaceMotion body, const TrackSettings& setting
     }
 }
 
-Tracker::Tracker(const BallTree& a, const BallTree& b) : m_state(std::make_unique<State>(a, b)) {}
-Tracker::Tracker(const BallTree& body) : m_state(std::make_unique<State>(body, body)) {}
+Tracker::Tracker(const BallTree& a, const BallTree& b) : m_state(std::make_unique<State>(a, b, false)) {}
+Tracker::Tracker(const BallTree& body) : m_state(std::make_unique<State>(body, body, true)) {}
 Tracker::Tracker(const Tracker& other) : m_state(other.m_state ? std::make_unique<State>(*other.m_state) : nullptr) {}
 Tracker& Tracker::operator=(const Tracker& other) {
     if (this != &other) {
@@ -219,7 +220,7 @@ Tracker::~Tracker() = default;
 
 void Tracker::step(const SurfaceState& a, const SurfaceState& b, const TrackSettings& settings, Budget budget,
                    TrackResult& out) {
-    assert(!m_state->isSelf() && "made of one tree: it tracks the body with itself");
+    assert(!m_state->isSelf() && "made of one body: it tracks the body with itself");
     m_state->step(a, &b, settings, budget, out);
 }
 
@@ -230,7 +231,7 @@ TrackResult Tracker::step(const SurfaceState& a, const SurfaceState& b, const Tr
 }
 
 void Tracker::step(const SurfaceState& body, const TrackSettings& settings, Budget budget, TrackResult& out) {
-    assert(m_state->isSelf() && "made of two trees");
+    assert(m_state->isSelf() && "made of two bodies");
     m_state->step(body, nullptr, settings, budget, out);
 }
 
@@ -273,11 +274,11 @@ std::uint64_t Tracker::steps() const {
 }
 
 std::vector<std::byte> Tracker::save() const {
-    return detail::savedMemory(m_state->memory, *m_state->a, *m_state->b);
+    return detail::savedMemory(m_state->memory, {*m_state->a, *m_state->b, m_state->oneBody});
 }
 
 void Tracker::load(std::span<const std::byte> bytes) {
-    m_state->memory = detail::loadedMemory(bytes, *m_state->a, *m_state->b);
+    m_state->memory = detail::loadedMemory(bytes, {*m_state->a, *m_state->b, m_state->oneBody});
 }
 
 }  // namespace grapeshot

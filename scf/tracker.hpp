@@ -97,6 +97,7 @@ struct TrackResult {
 /// for memory). One that was moved from may only be copied, assigned to or destroyed.
 class Tracker {
   public:
+    /// Of two bodies, of one mesh perhaps.
     Tracker(const BallTree& a, const BallTree& b);
     /// Of a body with itself.
     explicit Tracker(const BallTree& body);
@@ -113,7 +114,7 @@ class Tracker {
               TrackResult& out);
     [[nodiscard]] TrackResult step(const SurfaceState& a, const SurfaceState& b, const TrackSettings& settings,
                                    Budget budget = {});
-    /// Of a body with itself. @pre made of one tree, and the other two of two: asserted
+    /// Of a body with itself. @pre made of one body, and the other two of two: asserted
     void step(const SurfaceState& body, const TrackSettings& settings, Budget budget, TrackResult& out);
     [[nodiscard]] TrackResult step(const SurfaceState& body, const TrackSettings& settings, Budget budget = {});
 

@@ -51,11 +51,11 @@ std::uint64_t hashOf(const Header& header, std::span<const std::byte> pairs) {
 
 }  // namespace
 
-std::vector<std::byte> savedMemory(const TrackerMemory& memory, const BallTree& a, const BallTree& b) {
+std::vector<std::byte> savedMemory(const TrackerMemory& memory, const TrackedTrees& trees) {
     Header header;
-    header.isSelf = &a == &b ? 1 : 0;
-    header.a = a.surface.topology;
-    header.b = b.surface.topology;
+    header.isSelf = trees.oneBody ? 1 : 0;
+    header.a = trees.a.surface.topology;
+    header.b = trees.b.surface.topology;
     header.step = memory.step;
     header.testPrice = memory.testPrice;
     header.pairs = memory.tracked.size();
@@ -71,7 +71,8 @@ std::vector<std::byte> savedMemory(const TrackerMemory& memory, const BallTree& 
     return bytes;
 }
 
-TrackerMemory loadedMemory(std::span<const std::byte> bytes, const BallTree& a, const BallTree& b) {
+TrackerMemory loadedMemory(std::span<const std::byte> bytes, const TrackedTrees& trees) {
+    const auto& [a, b, oneBody] = trees;
     Header header;
     if (bytes.size() < sizeof header) {
         fail(Fault::badFile, std::to_string(bytes.size()) + " bytes are too few");
@@ -89,7 +90,7 @@ TrackerMemory loadedMemory(std::span<const std::byte> bytes, const BallTree& a, 
     if (hash != hashOf(header, pairs)) {
         fail(Fault::badFile, "was changed since it was saved");
     }
-    if ((header.isSelf != 0) != (&a == &b) || !(header.a == a.surface.topology) || !(header.b == b.surface.topology)) {
+    if ((header.isSelf != 0) != oneBody || !(header.a == a.surface.topology) || !(header.b == b.surface.topology)) {
         fail(Fault::topologyChanged, "saved with other meshes");
     }
     TrackerMemory memory;

@@ -9,9 +9,16 @@
 
 namespace grapeshot::detail {
 
-[[nodiscard]] std::vector<std::byte> savedMemory(const TrackerMemory& memory, const BallTree& a, const BallTree& b);
+/// What is tracked: two bodies, of the same mesh perhaps, or one with itself.
+struct TrackedTrees {
+    const BallTree& a;
+    const BallTree& b;
+    bool oneBody = false;
+};
+
+[[nodiscard]] std::vector<std::byte> savedMemory(const TrackerMemory& memory, const TrackedTrees& trees);
 
 /// @throws Error badFile, topologyChanged
-[[nodiscard]] TrackerMemory loadedMemory(std::span<const std::byte> bytes, const BallTree& a, const BallTree& b);
+[[nodiscard]] TrackerMemory loadedMemory(std::span<const std::byte> bytes, const TrackedTrees& trees);
 
 }  // namespace grapeshot::detail

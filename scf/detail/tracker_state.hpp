@@ -37,8 +37,8 @@ struct Candidate {
 
 /// Made anew in every step, or from the trees: a copy of the tracker need not have it.
 struct TrackerScratch {
-    TrackerScratch(const BallTree& treeA, const BallTree& treeB) : a(treeA) {
-        if (&treeA != &treeB) {
+    TrackerScratch(const BallTree& treeA, const BallTree& treeB, bool oneBody) : a(treeA) {
+        if (!oneBody) {
             b.emplace(treeB);
         }
     }

@@ -9,6 +9,7 @@
 #include <support/rest_scenes.hpp>
 
 #include "pile_scene.hpp"
+#include "scene_methods.hpp"
 #include "scene_run.hpp"
 
 namespace grapeshot::bench {
@@ -137,17 +138,20 @@ report::Report runSceneSuite(const Options& options) {
         for (const test::RestScene scene : rests) {
             wanted.emplace_back(name(scene));
         }
+        wanted.emplace_back("methods");
     }
     report::Report results{.suite = "scene", .seed = options.seed, .quick = options.quick, .rows = {}, .claims = {}};
     for (const std::string& scenario : wanted) {
         const auto* const rest = std::ranges::find(rests, scenario, [](test::RestScene s) { return name(s); });
         if (scenario == "pile") {
             runPile(options, results);
+        } else if (scenario == "methods") {
+            runMethods(options, results);
         } else if (rest != rests.end()) {
             runRest(*rest, options, results);
         } else {
             throw std::invalid_argument("--scenario: '" + scenario +
-                                        "' is not pile, u_on_bar, cross_in_hole or interlocked_tori");
+                                        "' is not pile, u_on_bar, cross_in_hole, interlocked_tori or methods");
         }
     }
     return results;
