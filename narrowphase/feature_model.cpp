@@ -40,8 +40,8 @@ std::size_t bytesOf(const FeatureModel& model) {
     const Surface& surface = balls.surface;
     return bytesOf(surface.rest) + bytesOf(surface.triangles) + bytesOf(surface.ring) + bytesOf(surface.fan) +
            bytesOf(surface.edges) + bytesOf(surface.edgeSquare) + bytesOf(balls.nodes) + bytesOf(balls.restBalls) +
-           bytesOf(balls.leaves) + bytesOf(balls.leafOfTriangle) + bytesOf(balls.leafVertices) +
-           bytesOf(model.shareBegin) + bytesOf(model.shares);
+           bytesOf(balls.plainBalls) + bytesOf(balls.leaves) + bytesOf(balls.leafOfTriangle) +
+           bytesOf(balls.leafVertices) + bytesOf(model.shareBegin) + bytesOf(model.shares);
 }
 
 }  // namespace grapeshot

@@ -295,7 +295,7 @@ Sliced addFeaturesInSlices(MeshModel& model) {
     if (!model.features) {
         co_yield mostSlicedPiece;
         model.features = std::make_shared<const FeatureModel>(makeFeatureModel(model.tree, model.leafOf));
-        model.featureStretch = 1;
+        model.featureStretch = 0;
     }
 }
 
@@ -305,7 +305,7 @@ Sliced refitInSlices(MeshModel& model, std::span<const Eigen::Vector3f> vertices
     co_await computeDerived(model);
     if (model.features) {
         co_yield mostSlicedPiece;
-        model.featureStretch = measureStretch(model.features->balls.surface, vertices);
+        model.featureStretch = std::max(1.0F, measureStretch(model.features->balls.surface, vertices));
         if (!(model.featureStretch <= mostStretch)) {
             model.features.reset();
             co_await addFeaturesInSlices(model);

@@ -64,8 +64,8 @@ struct MeshModel {
     bool solid = false;
     /// For Method::scf; null: not wanted, and then such pairs are left to adb. Copies share it.
     std::shared_ptr<const FeatureModel> features;
-    /// No edge is more than so many times as long as where `features` was built.
-    float featureStretch = 1;
+    /// 0: the vertices are where they were when `features` was built. Else no edge is more than so many times as long.
+    float featureStretch = 0;
 };
 
 /// @throws Error as `build` does. Not tuned by default: contacts ask for no estimate of a decision.

@@ -74,9 +74,9 @@ struct PairState {
 };
 
 struct PairResult {
-    bool collides = false;  ///< some contact with signedDistance <= 0
-    bool certain = false;   ///< nothing within maxDistance (if refreshed: less reuseMotion) was left out
-    bool sampled = false;   ///< features were tracked and sampled: `certain` is false even if the budget lasted
+    bool collides = false;        ///< some contact with signedDistance <= 0
+    bool certain = false;         ///< nothing within maxDistance (if refreshed: less reuseMotion) was left out
+    bool sampled = false;         ///< features were tracked and sampled: `certain` is false even if the budget lasted
     Method method = Method::adb;  ///< adb or scf: which of the trees were asked
     StopReason stop = StopReason::invalidInput;
     std::uint64_t work = 0;
@@ -90,13 +90,13 @@ struct PairResult {
     double missBound = 0;
 };
 
-/// Refresh, (traverse or track,) test, group, merge. On invalidInput (NaN or non-rigid pose) the state's contacts are cleared
-/// and nothing is reported. Out of budget: what was found is merged, kept points stay, and `certain` is false; the next
-/// call (in the same step or the next) goes on with the traversal and the tests where they stopped, after a look (with
-/// at most half of the budget) at the triangles of the kept points, deepest first. A traversal begins anew when the
-/// bodies have moved by more than the slack. A pair that has no contacts, or was cut short before, gets a stand-in when
-/// the budget ends (stand_in.hpp), for which standInWork units (at most half of the budget) are kept. Buffers are per
-/// thread.
+/// Refresh, (traverse or track,) test, group, merge. On invalidInput (NaN or non-rigid pose) the state's contacts are
+/// cleared and nothing is reported. Out of budget: what was found is merged, kept points stay, and `certain` is false;
+/// the next call (in the same step or the next) goes on with the traversal and the tests where they stopped, after a
+/// look (with at most half of the budget) at the triangles of the kept points, deepest first. A traversal begins anew
+/// when the bodies have moved by more than the slack. A pair that has no contacts, or was cut short before, gets a
+/// stand-in when the budget ends (stand_in.hpp), for which standInWork units (at most half of the budget) are kept.
+/// Buffers are per thread.
 PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget budget,
                   PairState& state);
 

@@ -46,6 +46,8 @@ struct PieceBall {
     float radius = 0;          ///< largest distance along edges at rest from the centre to a corner of the piece, m,
                                ///< rounded up; infinite if the piece is not connected
     float restRadius = 0;      ///< largest distance at rest from the centre to a centroid of the triangles, m
+    /// A ball around the piece at rest, wherever its middle is: smaller, and good for a body that moves as a whole.
+    float plainCenter[3] = {}, plainRadius = 0;  ///< m
 };
 
 /// Up to four pieces of a piece. Empty slots stand last and have child noBall.
@@ -70,9 +72,10 @@ struct BallLeaf {
 /// surface.
 struct BallTree {
     Surface surface;
-    std::vector<BallNode> nodes;       ///< children stand after their parents
-    std::vector<FourBalls> restBalls;  ///< per node and slot: ball at rest around the triangles' centroids, by plain
-                                       ///< distance from the slot's centre; for leaving out neighbourhoods
+    std::vector<BallNode> nodes;        ///< children stand after their parents
+    std::vector<FourBalls> restBalls;   ///< per node and slot: ball at rest around the triangles' centroids, by plain
+                                        ///< distance from the slot's centre; for leaving out neighbourhoods
+    std::vector<FourBalls> plainBalls;  ///< per node and slot: as the children's own (PieceBall::plainCenter)
     std::vector<BallLeaf> leaves;
     std::vector<std::uint32_t> leafOfTriangle;
     IndexLists leafVertices;  ///< distinct corners of each leaf

@@ -64,6 +64,7 @@ class Builder {
             m_tree.nodes.push_back({});
             m_tree.nodes[0].own = root;
             m_tree.restBalls.push_back({});
+            m_tree.plainBalls.push_back({});
             fillSlots(0, {all});
         } else {
             addNode(all, root);
@@ -81,6 +82,7 @@ class Builder {
         m_tree.nodes.push_back({});
         m_tree.nodes[index].own = own;
         m_tree.restBalls.push_back({});
+        m_tree.plainBalls.push_back({});
         std::vector<Range> parts;
         for (const Range& half : split(range)) {
             if (half.size() <= leafSize) {
@@ -115,10 +117,56 @@ class Builder {
             }
             own.restRadius = reach * 1.00001F;
             m_tree.restBalls[index].radius[slot] = own.restRadius;
+            setPlainBall(parts[slot], own);
+            for (int axis = 0; axis < 3; ++axis) {
+                m_tree.plainBalls[index].center[axis][slot] = own.plainCenter[axis];
+            }
+            m_tree.plainBalls[index].radius[slot] = own.plainRadius;
             const BallRef child =
                 parts[slot].size() <= leafSize ? addLeaf(parts[slot], own) : addNode(parts[slot], own);
             m_tree.nodes[index].child[slot] = child;
         }
+    }
+
+    /// Nearly the smallest: from the middle of the box in ever shorter steps towards what is farthest.
+    void setPlainBall(const Range& range, PieceBall& own) {
+        gather(range);
+        Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+        Eigen::Vector3d high = -low;
+        for (const std::uint32_t v : m_vertices) {
+            low = low.cwiseMin(m_surface.rest[v].cast<double>());
+            high = high.cwiseMax(m_surface.rest[v].cast<double>());
+        }
+        const auto farthestFrom = [&](const Eigen::Vector3d& center, Eigen::Vector3d& point) {
+            double square = -1;
+            for (const std::uint32_t v : m_vertices) {
+                const Eigen::Vector3d p = m_surface.rest[v].cast<double>();
+                const double distance = (p - center).squaredNorm();
+                if (distance > square) {
+                    square = distance;
+                    point = p;
+                }
+            }
+            return std::sqrt(square);
+        };
+        Eigen::Vector3d center = (low + high) / 2;
+        Eigen::Vector3d best = center;
+        Eigen::Vector3d far = center;
+        double radius = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < 24; ++i) {
+            const double now = farthestFrom(center, far);
+            if (now < radius) {
+                radius = now;
+                best = center;
+            }
+            center += (far - center) / (i + 6);
+        }
+        const Eigen::Vector3f rounded = best.cast<float>();
+        for (int axis = 0; axis < 3; ++axis) {
+            own.plainCenter[axis] = rounded[axis];
+        }
+        own.plainRadius = std::nextafter(static_cast<float>(farthestFrom(rounded.cast<double>(), far)),
+                                         std::numeric_limits<float>::infinity());
     }
 
     BallRef addLeaf(const Range& range, const PieceBall& own) {

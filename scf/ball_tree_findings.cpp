@@ -14,7 +14,8 @@ class Inspector {
         : m_tree(tree), m_geodesics(tree.surface), m_seen(tree.surface.triangles.size(), 0) {}
 
     std::vector<std::string> run() {
-        if (m_tree.nodes.empty() || m_tree.restBalls.size() != m_tree.nodes.size()) {
+        if (m_tree.nodes.empty() || m_tree.restBalls.size() != m_tree.nodes.size() ||
+            m_tree.plainBalls.size() != m_tree.nodes.size()) {
             say("there is no root, or nodes and balls at rest are not as many");
             return m_found;
         }
@@ -50,6 +51,7 @@ class Inspector {
             const std::vector<std::uint32_t> part = leaf ? ofLeaf(ballIndex(child)) : below(ballIndex(child));
             checkBall(name + ", slot " + std::to_string(slot), node.center[slot], node.radius[slot], part);
             checkRestBall(name + ", slot " + std::to_string(slot), m_tree.restBalls[index], slot, part);
+            checkPlainBall(name + ", slot " + std::to_string(slot), m_tree.plainBalls[index], slot, part);
             const PieceBall& own = m_tree.own(child);
             if (own.center != node.center[slot] || own.radius != node.radius[slot] ||
                 own.restRadius != m_tree.restBalls[index].radius[slot]) {
@@ -110,6 +112,19 @@ class Inspector {
             if ((middle - center).norm() > static_cast<double>(balls.radius[slot]) + 1e-6 * m_tree.extent) {
                 say(name + ": a centroid is outside the ball at rest");
                 return;
+            }
+        }
+    }
+
+    void checkPlainBall(const std::string& name, const FourBalls& balls, std::uint32_t slot,
+                        const std::vector<std::uint32_t>& part) {
+        const Eigen::Vector3d center(balls.center[0][slot], balls.center[1][slot], balls.center[2][slot]);
+        for (const std::uint32_t t : part) {
+            for (const std::uint32_t v : m_tree.surface.triangles[t]) {
+                if ((m_tree.surface.rest[v].cast<double>() - center).norm() > static_cast<double>(balls.radius[slot])) {
+                    say(name + ": a corner is outside the plain ball");
+                    return;
+                }
             }
         }
     }

@@ -36,8 +36,8 @@ bool place(std::optional<PosedTree>& posed, const BallTree& tree, const SurfaceS
         return false;
     }
     posed ? posed->turnTo(tree) : void(posed.emplace(tree));
-    posed->begin(state.positions.empty() ? std::span(tree.surface.rest) : state.positions,
-                 state.pose ? &*state.pose : nullptr, stretch);
+    const Pose* pose = state.pose ? &*state.pose : nullptr;
+    state.positions.empty() ? posed->beginAtRest(pose) : posed->begin(state.positions, pose, stretch);
     return true;
 }
 

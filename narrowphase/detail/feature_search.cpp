@@ -17,11 +17,14 @@ constexpr std::uint32_t rigidFrontCells = 64;
 
 SurfaceState stateOf(const MeshModel& model, const Pose* pose) {
     SurfaceState state;
-    state.positions = model.tree.vertices;
     if (pose != nullptr) {
         state.pose = *pose;
     }
-    state.stretch = Stretch::given(std::max(1.0F, model.featureStretch));
+    state.stretch = Stretch::rigid();
+    if (model.featureStretch > 0) {
+        state.positions = model.tree.vertices;
+        state.stretch = Stretch::given(model.featureStretch);
+    }
     return state;
 }
 

@@ -51,9 +51,8 @@ Placed place(const SurfaceState& state, PosedTree& tree) {
         result.fault = Fault::notFinite;
         return result;
     }
-    const std::span<const Eigen::Vector3f> positions =
-        state.positions.empty() ? std::span(surface.rest) : state.positions;
-    tree.begin(positions, state.pose ? &*state.pose : nullptr, result.stretch);
+    const Pose* pose = state.pose ? &*state.pose : nullptr;
+    state.positions.empty() ? tree.beginAtRest(pose) : tree.begin(state.positions, pose, result.stretch);
     return result;
 }
 

@@ -21,6 +21,7 @@ PosedTree::PosedTree(const BallTree& tree) : m_tree(&tree), m_made(tree.nodes.si
 
 void PosedTree::begin(std::span<const Eigen::Vector3f> positions, const Pose* pose, float stretch) {
     m_positions = positions;
+    m_atRest = false;
     m_isPosed = pose != nullptr;
     if (m_isPosed) {
         for (int row = 0; row < 3; ++row) {
@@ -39,6 +40,11 @@ void PosedTree::begin(std::span<const Eigen::Vector3f> positions, const Pose* po
             static_cast<void>(balls(node));  // children stand after their parents
         }
     }
+}
+
+void PosedTree::beginAtRest(const Pose* pose) {
+    begin(m_tree->surface.rest, pose, 1);
+    m_atRest = true;
 }
 
 Eigen::Vector3f PosedTree::moved(const Eigen::Vector3f& p) const {
@@ -70,6 +76,17 @@ float PosedTree::radiusFromChildren(std::uint32_t node, const Eigen::Vector3f& c
     return radius;
 }
 
+void PosedTree::putPlainBall(const float (&center)[3], float radius, FourBalls& balls, std::uint32_t slot) {
+    const Eigen::Vector3f rest(center[0], center[1], center[2]);
+    const Eigen::Vector3f middle = m_isPosed ? moved(rest) : rest;
+    note(middle);
+    for (int axis = 0; axis < 3; ++axis) {
+        balls.center[axis][slot] = middle[axis];
+    }
+    balls.radius[slot] =
+        m_isPosed ? radius * posedRounding + 1e-6F * (farthest(middle) + m_farthest) : radius * rounding;
+}
+
 float PosedTree::radiusOf(BallRef child, std::uint32_t center, float restRadius) {
     float radius = m_stretch > 0 ? restRadius * m_stretch : infinity;
     const Eigen::Vector3f middle = point(center);
@@ -83,6 +100,14 @@ float PosedTree::radiusOf(BallRef child, std::uint32_t center, float restRadius)
 
 void PosedTree::makeBalls(std::uint32_t index, FourBalls& balls) {
     const BallNode& node = m_tree->nodes[index];
+    if (m_atRest) {
+        const FourBalls& plain = m_tree->plainBalls[index];
+        for (std::uint32_t slot = 0; slot < 4; ++slot) {
+            const float center[3] = {plain.center[0][slot], plain.center[1][slot], plain.center[2][slot]};
+            putPlainBall(center, plain.radius[slot], balls, slot);
+        }
+        return;
+    }
     for (std::uint32_t slot = 0; slot < 4; ++slot) {
         const bool used = slot < node.count;
         const Eigen::Vector3f middle = point(node.center[used ? slot : 0]);
@@ -96,6 +121,10 @@ void PosedTree::makeBalls(std::uint32_t index, FourBalls& balls) {
 
 void PosedTree::putBall(BallRef ref, FourBalls& balls, int slot) {
     const PieceBall& own = m_tree->own(ref);
+    if (m_atRest) {
+        putPlainBall(own.plainCenter, own.plainRadius, balls, static_cast<std::uint32_t>(slot));
+        return;
+    }
     const Eigen::Vector3f middle = point(own.center);
     note(middle);
     for (int axis = 0; axis < 3; ++axis) {

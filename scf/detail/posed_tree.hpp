@@ -25,6 +25,8 @@ class PosedTree {
     /// @param stretch every edge is at most so many times as long as at rest; not above 0: balls are fitted to the
     /// vertices instead, O(n)
     void begin(std::span<const Eigen::Vector3f> positions, const Pose* pose, float stretch);
+    /// The same for vertices that are where they were at rest, but for the pose.
+    void beginAtRest(const Pose* pose);
 
     [[nodiscard]] const BallTree& tree() const { return *m_tree; }
     [[nodiscard]] const BallNode& node(std::uint32_t index) const { return m_tree->nodes[index]; }
@@ -82,6 +84,7 @@ class PosedTree {
     [[nodiscard]] Eigen::Vector3f moved(const Eigen::Vector3f& p) const;
     void makeBalls(std::uint32_t node, FourBalls& balls);
     void makeLeaf(std::uint32_t index, PosedLeaf& leaf);
+    void putPlainBall(const float (&center)[3], float radius, FourBalls& balls, std::uint32_t slot);
     [[nodiscard]] float radiusOf(BallRef child, std::uint32_t center, float restRadius);
     [[nodiscard]] float radiusFromVertices(std::uint32_t leaf, const Eigen::Vector3f& center);
     [[nodiscard]] float radiusFromChildren(std::uint32_t node, const Eigen::Vector3f& center);
@@ -93,6 +96,7 @@ class PosedTree {
     const BallTree* m_tree;
     std::span<const Eigen::Vector3f> m_positions;
     bool m_isPosed = false;
+    bool m_atRest = false;
     float m_rotation[9] = {}, m_translation[3] = {};
     float m_stretch = 1;
     float m_farthest = 0;  ///< coordinate of the translation, m

@@ -19,8 +19,8 @@ std::vector<std::byte> bytesOf(const PairState& state) {
 }
 
 struct SavedPairState : testing::Test {
-    MeshModel a = makeModel(scenes::torus(0.6F, 0.2F, 40, 20).view());
-    MeshModel b = makeModel(scenes::bumpySphere(0.4F, 0.08F, 5, 12).view());
+    MeshModel a = makeTrackedModel(scenes::torus(0.6F, 0.2F, 40, 20).view());
+    MeshModel b = makeTrackedModel(scenes::bumpySphere(0.4F, 0.08F, 5, 12).view());
 
     static Pose poseAt(int step) {
         const auto t = static_cast<float>(step);
@@ -29,15 +29,21 @@ struct SavedPairState : testing::Test {
     }
 };
 
-TEST_F(SavedPairState, GoesOnWithTheSameBytesUnderAnyBudget) {
-    for (const std::uint64_t work : {std::uint64_t{4}, std::uint64_t{20}, std::uint64_t{100}, unlimited}) {
+struct SavedPairByMethod : SavedPairState, testing::WithParamInterface<Method> {};
+
+TEST_P(SavedPairByMethod, GoesOnWithTheSameBytesUnderAnyBudget) {
+    for (const std::uint64_t work : {std::uint64_t{4}, std::uint64_t{20}, std::uint64_t{300}, unlimited}) {
         PairSettings settings;
+        settings.method = GetParam();
+        settings.features.searchWork = 160;
         settings.set.regions.spacing = 0.2F;
         PairState whole;
         bool searching = false;
+        bool tracking = false;
         for (int step = 0; step < 40; ++step) {
             const std::vector<std::byte> bytes = bytesOf(whole);
             searching = searching || whole.traversal.has_value();
+            tracking = tracking || whole.tracker.has_value();
             ByteReader in(bytes);
             PairState loaded = loadPairState(in, {&a, &b});
             EXPECT_EQ(in.left(), 0U);
@@ -49,8 +55,32 @@ TEST_F(SavedPairState, GoesOnWithTheSameBytesUnderAnyBudget) {
             EXPECT_EQ(bytesOf(loaded), bytesOf(whole)) << "work " << work << ", step " << step;
         }
         EXPECT_TRUE(hasPoints(whole.contacts));
-        EXPECT_EQ(searching, work < unlimited);
+        EXPECT_EQ(searching, GetParam() != Method::scf && work < unlimited);
+        EXPECT_EQ(tracking, GetParam() == Method::scf && work >= 300);
     }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllMethods, SavedPairByMethod, testing::Values(Method::automatic, Method::adb, Method::scf),
+                         [](const auto& method) { return std::string(name(method.param)); });
+
+TEST_F(SavedPairState, FeaturesAreLeftOutWhereAMeshHasNone) {
+    PairSettings settings;
+    settings.method = Method::scf;
+    settings.features.searchWork = 160;
+    PairState state;
+    for (int step = 0; step < 5; ++step) {
+        update(a, b, poseAt(step), settings, {}, state);
+    }
+    ASSERT_TRUE(state.tracker);
+    const MeshModel plain = makeModel(b.tree.mesh());
+    std::vector<std::byte> bytes = bytesOf(state);
+    ByteReader in(bytes);
+    PairState loaded = loadPairState(in, {&a, &plain});
+    EXPECT_FALSE(loaded.tracker);
+    EXPECT_EQ(update(a, plain, poseAt(5), settings, {}, loaded).method, Method::adb);
+    bytes[bytes.size() - 8] ^= std::byte{1};  // within the tracker's
+    ByteReader damaged(bytes);
+    EXPECT_THROW((void)loadPairState(damaged, {&a, &b}), Error);
 }
 
 TEST_F(SavedPairState, WithOtherTreesTheSearchBeginsAnewAndContactsStay) {

@@ -303,6 +303,40 @@ TEST(Registration, OwnCreateFuncWorksWithoutRegistration) {
     EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 1.02, 0.01);
 }
 
+TEST(Registration, ScfHasItsOwnAlgorithmWhichServesThePair) {
+    MeshShape ball(scenes::bumpySphere(0.5F, 0.1F, 5, 8));
+    TestWorld world({}, false);
+    ASSERT_EQ(ScfCollisionAlgorithm::registerAlgorithm(&world.dispatcher), Status::ok);
+    world.add(*ball, at({0, 0, 0}));
+    world.add(*ball, at({0, 1.05_s, 0}), 1);  // of the same shape, and so of the same ball tree
+    world.step(30);
+    ASSERT_EQ(world.stats().pairs.size(), 1U);
+    EXPECT_EQ(world.stats().pairs[0].method, Method::scf);
+    EXPECT_GT(world.stats().contacts, 0);
+    EXPECT_EQ(world.stats().tracked, 1);
+    EXPECT_EQ(world.stats().leftToAdb, 0);
+    const btBroadphasePairArray& pairs = world.world.getPairCache()->getOverlappingPairArray();
+    ASSERT_EQ(pairs.size(), 1);
+    EXPECT_NE(dynamic_cast<ScfCollisionAlgorithm*>(pairs[0].m_algorithm), nullptr);
+    ASSERT_EQ(AdbCollisionAlgorithm::registerAlgorithm(&world.dispatcher), Status::ok);
+    world.step(5);
+    EXPECT_EQ(world.stats().pairs[0].method, Method::adb) << "pairs that exist change their method";
+}
+
+TEST(Registration, ScfsOwnCreateFuncWorksWithoutRegistration) {
+    MeshShape box(scenes::box({0.5F, 0.5F, 0.5F}));
+    ScfCollisionAlgorithm::CreateFunc creator;
+    TestWorld world({}, false);
+    world.dispatcher.registerCollisionCreateFunc(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE, &creator);
+    world.add(*box, at({0, 0, 0}));
+    btRigidBody& upper = world.add(*box, at({0, 1.02_s, 0}), 1);
+    world.step(60);
+    EXPECT_NEAR(upper.getWorldTransform().getOrigin().y(), 1.02, 0.01);
+    const btBroadphasePairArray& pairs = world.world.getPairCache()->getOverlappingPairArray();
+    ASSERT_EQ(pairs.size(), 1);
+    EXPECT_NE(dynamic_cast<ScfCollisionAlgorithm*>(pairs[0].m_algorithm), nullptr);
+}
+
 btCollisionAlgorithm* make(TestWorld& world, btCollisionShape& first, btCollisionShape& second) {
     btCollisionObject objects[2];
     objects[0].setCollisionShape(&first);
