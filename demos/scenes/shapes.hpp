@@ -47,6 +47,17 @@ Mesh torusKnot(int p, int q, float ringRadius, float knotRadius, float tubeRadiu
 Mesh gear(float radius, float toothHeight, float holeRadius, float thickness, int teeth, int cells = 1);
 /// A comb: a bar with `teeth` prisms, half a pitch wide, hanging down.
 Mesh comb(int teeth, float toothLength, float pitch, float thickness, int cells = 1);
+/// A rounded thread about +y: the radius at an angle and a height is radius + depth * cos(2 pi y / pitch - angle).
+struct Thread {
+    float radius, depth, pitch;
+};
+/// Flat at both ends. A depth of 0 makes a cylinder. around x (2 along + 2) triangles.
+Mesh threadedRod(const Thread& thread, float length, int around, int along);
+/// A hexagonal nut for that rod, wider by `clearance` along the radius; `around` is a multiple of 6.
+Mesh threadedNut(const Thread& thread, float clearance, float acrossFlats, float height, int around, int along);
+/// A stone of an arch about the z axis whose middle is up: from -angle / 2 to angle / 2, between both radii.
+Mesh voussoir(float innerRadius, float outerRadius, float angle, float depth, int cells = 1);
+
 /// An open grid in the xz plane, normals +y.
 Mesh grid(float halfX, float halfZ, int cellsX, int cellsZ);
 

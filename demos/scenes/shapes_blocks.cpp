@@ -115,4 +115,16 @@ Mesh comb(int teeth, float toothLength, float pitch, float thickness, int cells)
     return detail::boundary(lattice);
 }
 
+Mesh voussoir(float innerRadius, float outerRadius, float angle, float depth, int cells) {
+    assert(0 < innerRadius && innerRadius < outerRadius && angle < 3);
+    // The lattice's x runs against the angle, so that x, y (outwards), z are right-handed.
+    Lattice lattice{.x = refined({-0.5 * angle, 0.5 * angle}, 2 * cells),
+                    .y = refined({innerRadius, outerRadius}, cells),
+                    .z = refined({-0.5 * depth, 0.5 * depth}, cells)};
+    lattice.position = [](const Vector3d& p) {
+        return Vector3d(p.y() * std::sin(p.x()), p.y() * std::cos(p.x()), p.z());
+    };
+    return detail::boundary(lattice);
+}
+
 }  // namespace grapeshot::scenes

@@ -30,8 +30,11 @@ struct MeshEntry {
     Mesh mesh;  ///< in its body frame
     BodyFrame frame;
     detail::MeshShape shape;
+    std::shared_ptr<btCollisionShape> standIn;  ///< collides in its place, if there is one
     std::optional<TrueSurface> surface;  ///< built when first asked for
     double radius = 0;
+
+    [[nodiscard]] btCollisionShape& collides() const { return standIn ? *standIn : *shape.shape; }
 };
 
 struct Body {
@@ -150,7 +153,12 @@ std::size_t World::addMesh(const Mesh& mesh, MeshKind kind) {
     entry.mesh = inBodyFrame(mesh, entry.frame);
     entry.radius = radiusOf(entry.mesh);
     const double margin = m_state->settings.margin;
-    if (m_state->settings.engine == Engine::hull) {
+    if (m_state->settings.standIn) {
+        entry.standIn = m_state->settings.standIn(entry.mesh, margin);
+        if (entry.standIn->isConcave()) {
+            prepare(m_state->settings.engine, *entry.standIn);
+        }
+    } else if (m_state->settings.engine == Engine::hull) {
         entry.shape = detail::hullShape(entry.mesh, margin);
     } else {
         entry.shape =
@@ -165,7 +173,7 @@ std::size_t World::addBody(std::size_t mesh, const PoseD& pose, double mass, con
     Body body;
     body.mesh = mesh;
     body.mass = mass;
-    return m_state->add(std::move(body), *entry.shape.shape, bodyPose(pose, entry.frame),
+    return m_state->add(std::move(body), entry.collides(), bodyPose(pose, entry.frame),
                         mass * entry.frame.unitInertia, motion);
 }
 
@@ -256,6 +264,7 @@ void World::State::measure(StepRecord& record) {
             ++record.lost;
             continue;
         }
+        record.awake += entry.rigid->isActive() ? 1 : 0;
         const Vector3d v = fromBullet(entry.rigid->getLinearVelocity());
         const Vector3d w = fromBullet(entry.rigid->getAngularVelocity());
         const Vector3d inBody = pose.rotation.transpose() * w;

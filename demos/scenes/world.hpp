@@ -4,6 +4,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -14,9 +15,14 @@
 
 namespace grapeshot::scenes {
 
+/// Makes what collides in place of a mesh, which is given in its body frame and stays where it is. Whatever the shape
+/// stands on lives as long as the pointer.
+using ShapeMaker = std::function<std::shared_ptr<btCollisionShape>(const Mesh& mesh, double margin)>;
+
 struct WorldSettings {
     Engine engine = Engine::grapeshot;
     Settings settings = {};                ///< for Engine::grapeshot
+    ShapeMaker standIn = {};               ///< null: the mesh itself collides. Penetration is judged by the mesh
     Eigen::Vector3d gravity{0, -9.81, 0};  ///< m/s^2
     double timeStep = 1.0 / 60;            ///< s
     double margin = 0.02;                  ///< collision margin of meshes, m
@@ -54,6 +60,7 @@ struct StepRecord {
     double potentialEnergy = 0;  ///< J, zero at the origin
     double rmsSpeed = 0;         ///< over the moving bodies: sqrt of the mean of v^2 + (w r)^2, m/s
     int lost = 0;                ///< bodies lost so far
+    int awake = 0;               ///< moving bodies that are neither asleep nor lost
 };
 
 /// Poses of all bodies (moving and static), each of the mesh as `mesh(body)` has it.

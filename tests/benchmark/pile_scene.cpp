@@ -1,5 +1,6 @@
 #include "pile_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <support/poses.hpp>
@@ -11,7 +12,6 @@ using namespace scenes;
 namespace {
 
 constexpr double pitHalf = 3.3;  ///< m, inside
-constexpr double wallHeight = 40;
 constexpr double layer = 2.1;  ///< m between bodies at the start: they are 2 m wide
 
 /// Farthest vertex from the centre of mass at `pileRadius`.
@@ -37,16 +37,19 @@ std::vector<Mesh> kinds(int triangles) {
 
 }  // namespace
 
-World makePile(Engine engine, const PileSettings& settings) {
-    WorldSettings worldSettings;
-    worldSettings.engine = engine;
-    worldSettings.margin = settings.margin;
-    worldSettings.lower = {-pitHalf - 1, 0, -pitHalf - 1};
-    worldSettings.upper = {pitHalf + 1, wallHeight, pitHalf + 1};
-    World world(worldSettings);
+World makePile(WorldSettings method, const PileSettings& settings) {
+    const double wallHeight = std::max(40.0, layer * (settings.bodies / 9 + 2));
+    method.margin = settings.margin;
+    method.lower = {-pitHalf - 1, 0, -pitHalf - 1};
+    method.upper = {pitHalf + 1, wallHeight, pitHalf + 1};
+    World world(method);
 
     const float outside = static_cast<float>(pitHalf) + 1;
-    world.addMeshFloor(grid(outside, outside, 8, 8));
+    if (settings.floor == PileFloor::mesh) {
+        world.addMeshFloor(grid(outside, outside, 8, 8));
+    } else {
+        world.addBox({outside, 0.5, outside}, {Eigen::Matrix3d::Identity(), {0, -0.5, 0}}, 0);
+    }
     const auto wall = [&](const Eigen::Vector3d& half, const Eigen::Vector3d& centre) {
         world.addBox(half, {Eigen::Matrix3d::Identity(), centre}, 0);
     };

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <numeric>
 
 namespace grapeshot::bench {
 
 using scenes::Frame;
-using scenes::StepRecord;
 
 void Recorder::step() {
     m_run.steps.push_back(m_world.step());
     m_run.narrowphaseUs.push_back(m_run.steps.back().narrowphaseCpuSeconds * 1e6);
+    m_run.stepUs.push_back(m_run.steps.back().cpuSeconds * 1e6);
+    const StepStatistics& ours = statistics(&m_world.dispatcher());
+    m_run.work.push_back({ours.work, ours.mandatory, ours.degraded, ours.longestWait});
     if (m_run.steps.size() % static_cast<std::size_t>(m_frameEvery) == 0) {
         m_run.frames.push_back(m_world.poses());
     }
@@ -20,6 +23,7 @@ void Recorder::step() {
 bool mergeReplay(Run& run, const Run& replay) {
     for (std::size_t i = 0; i < run.narrowphaseUs.size(); ++i) {
         run.narrowphaseUs[i] = std::min(run.narrowphaseUs[i], replay.narrowphaseUs[i]);
+        run.stepUs[i] = std::min(run.stepUs[i], replay.stepUs[i]);
     }
     const auto samePose = [](const scenes::PoseD& x, const scenes::PoseD& y) {
         return x.rotation == y.rotation && x.translation == y.translation;
@@ -28,53 +32,87 @@ bool mergeReplay(Run& run, const Run& replay) {
                               [&](const Frame& x, const Frame& y) { return std::ranges::equal(x, y, samePose); });
 }
 
-Depths depthsOf(const scenes::World& world, const std::vector<Frame>& frames) {
-    Depths depths;
-    for (const Frame& frame : frames) {
-        double deepest = 0;
-        for (const scenes::PairDepth& pair : world.penetrations(frame)) {
-            depths.pairs.push_back(pair.depth);
-            deepest = std::max(deepest, pair.depth);
-        }
-        depths.deepest.push_back(deepest);
-    }
-    return depths;
+namespace {
+
+double sum(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-double residualSpeed(const Run& run, double seconds, double timeStep) {
-    const auto count = std::min(run.steps.size(), static_cast<std::size_t>(std::lround(seconds / timeStep)));
-    double squares = 0;
-    for (std::size_t i = run.steps.size() - count; i < run.steps.size(); ++i) {
-        squares += run.steps[i].rmsSpeed * run.steps[i].rmsSpeed;
+/// One run of all; each world keeps its own time step.
+std::vector<Recorder> runOnce(const Course& course, const std::vector<const SceneMethod*>& methods,
+                              const std::function<scenes::World(const scenes::WorldSettings&)>& make) {
+    std::vector<Recorder> recorders;
+    for (const SceneMethod* method : methods) {
+        const double timeStep = method->world.timeStep;
+        recorders.emplace_back(make(method->world),
+                               std::max(1, static_cast<int>(std::lround(course.frameSeconds / timeStep))));
     }
-    return std::sqrt(squares / static_cast<double>(count));
-}
-
-report::Row summary(const std::string& scenario, const std::string& mesh, const scenes::World& world, const Run& run) {
-    report::Row row;
-    row.scenario = scenario;
-    row.mesh = mesh;
-    std::size_t triangles = 0;
-    std::size_t moving = 0;
-    for (std::size_t body = 0; body < world.bodies(); ++body) {
-        if (world.moving(body)) {
-            triangles += world.mesh(body).triangles.size();
-            ++moving;
+    double said = 0;
+    for (bool more = true; more;) {
+        more = false;
+        double slowest = course.seconds;
+        for (const Recorder& recorder : recorders) {
+            slowest = std::min(slowest, static_cast<double>(recorder.run().steps.size()) *
+                                            recorder.world().settings().timeStep);
+        }
+        for (Recorder& recorder : recorders) {
+            const double timeStep = recorder.world().settings().timeStep;
+            const double now = static_cast<double>(recorder.run().steps.size()) * timeStep;
+            if (now < slowest + 0.5 * timeStep && now < course.seconds - 0.5 * timeStep) {
+                recorder.step();
+                more = true;
+            }
+        }
+        if (course.progress && slowest >= said + 1) {
+            said = std::floor(slowest);
+            std::cerr << course.scenario << ": " << said << " s of " << course.seconds << '\n';
         }
     }
-    row.triangles = triangles / std::max<std::size_t>(1, moving);
-    row.method = name(world.settings().engine);
-    row.n = run.steps.size();
-    row.timeUs = report::quantiles(run.narrowphaseUs);
-    const auto mean = [&](auto member) {
-        return std::accumulate(run.steps.begin(), run.steps.end(), 0.0,
-                               [&](double sum, const StepRecord& step) { return sum + step.*member; }) /
-               static_cast<double>(run.steps.size());
-    };
-    row.work = {{"contacts", mean(&StepRecord::contacts)}, {"manifolds", mean(&StepRecord::manifolds)}};
-    const StepRecord& last = run.steps.back();
-    row.measured = {{"lost", static_cast<double>(last.lost)}, {"energyEnd", last.kineticEnergy + last.potentialEnergy}};
-    return row;
+    return recorders;
+}
+
+}  // namespace
+
+std::vector<Outcome> runInTurns(const Course& course, const std::vector<SceneMethod>& methods,
+                                const std::function<scenes::World(const scenes::WorldSettings&)>& make) {
+    std::vector<const SceneMethod*> all;
+    int most = 1;
+    for (const SceneMethod& method : methods) {
+        all.push_back(&method);
+        most = std::max(most, method.runs);
+    }
+    std::vector<Outcome> outcomes;
+    std::vector<Recorder> first = runOnce(course, all, make);
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        const double total = sum(first[i].run().narrowphaseUs);
+        outcomes.push_back({methods[i], std::move(first[i]), course.restSeconds, {total}, 0});
+    }
+    for (int run = 1; run < most; ++run) {
+        std::vector<const SceneMethod*> again;
+        std::vector<Outcome*> places;
+        for (Outcome& outcome : outcomes) {
+            if (outcome.method.runs > run) {
+                again.push_back(&outcome.method);
+                places.push_back(&outcome);
+            }
+        }
+        Course quiet = course;
+        quiet.progress = false;
+        const std::vector<Recorder> replays = runOnce(quiet, again, make);
+        for (std::size_t i = 0; i < replays.size(); ++i) {
+            places[i]->narrowphaseTotalsUs.push_back(sum(replays[i].run().narrowphaseUs));
+            places[i]->differing += mergeReplay(places[i]->recorder.run(), replays[i].run()) ? 0 : 1;
+        }
+    }
+    return outcomes;
+}
+
+double narrowphaseRatio(const Outcome& of, const Outcome& to) {
+    return of.narrowphaseTotalsUs.front() / to.narrowphaseTotalsUs.front();
+}
+
+double totalStepUs(const Run& run) {
+    return sum(run.stepUs);
 }
 
 }  // namespace grapeshot::bench

@@ -1,19 +1,34 @@
-// One world, stepped and watched.
+// Worlds stepped and watched, one or several in turns.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include <scenes/world.hpp>
 
 #include <report/report.hpp>
 
+#include "scene_method.hpp"
+
 namespace grapeshot::bench {
 
-/// What a run left behind: one record per step, and all poses of every `frameEvery`-th step.
+/// What a step cost our own engine, in work units; zero under any other.
+struct StepWork {
+    std::uint64_t work = 0;
+    std::uint64_t mandatory = 0;
+    int degraded = 0;
+    std::uint32_t longestWait = 0;
+};
+
+/// What a run left behind: one record per step, and all poses of some steps.
 struct Run {
     std::vector<scenes::StepRecord> steps;
+    std::vector<StepWork> work;
     std::vector<scenes::Frame> frames;
     std::vector<double> narrowphaseUs;  ///< per step, processor time
+    std::vector<double> stepUs;         ///< the same of the whole step
 };
 
 class Recorder {
@@ -21,6 +36,8 @@ class Recorder {
     Recorder(scenes::World world, int frameEvery) : m_world(std::move(world)), m_frameEvery(frameEvery) {}
     void step();
     [[nodiscard]] scenes::World& world() { return m_world; }
+    [[nodiscard]] const scenes::World& world() const { return m_world; }
+    [[nodiscard]] Run& run() { return m_run; }
     [[nodiscard]] const Run& run() const { return m_run; }
 
   private:
@@ -29,22 +46,37 @@ class Recorder {
     Run m_run;
 };
 
-/// Time of each step becomes the lesser of both runs; the worlds must have been the same. Returns whether all saved
+/// Times of each step become the lesser of both runs; the worlds must have been the same. Returns whether all saved
 /// poses are the same to the last bit.
 bool mergeReplay(Run& run, const Run& replay);
 
-/// True penetration in all saved frames, m.
-struct Depths {
-    std::vector<double> pairs;    ///< of every pair whose boxes meet, in every frame
-    std::vector<double> deepest;  ///< of each frame
+/// How a scene is run.
+struct Course {
+    std::string scenario;
+    double seconds = 10;
+    double frameSeconds = 1.0 / 6;  ///< between saved poses
+    double restSeconds = 1;         ///< at the end, in which nothing should move any more
+    bool progress = true;           ///< a line per second on stderr
 };
-[[nodiscard]] Depths depthsOf(const scenes::World& world, const std::vector<scenes::Frame>& frames);
 
-/// RMS over the last `seconds` of the run, m/s (see StepRecord::rmsSpeed).
-[[nodiscard]] double residualSpeed(const Run& run, double seconds, double timeStep);
+/// One method's run of a scene.
+struct Outcome {
+    SceneMethod method;
+    Recorder recorder;
+    double restSeconds = 1;  ///< as in the course
+    std::vector<double> narrowphaseTotalsUs;  ///< of every replay
+    int differing = 0;                        ///< replays of other poses
+};
 
-/// The row that every scene has: times, contacts, manifolds, bodies lost, energy.
-[[nodiscard]] report::Row summary(const std::string& scenario, const std::string& mesh, const scenes::World& world,
-                                  const Run& run);
+/// All methods in the same scene, step by step in turns, so that whatever else the machine does hits them alike. Then
+/// replayed, as often as each method says.
+[[nodiscard]] std::vector<Outcome> runInTurns(const Course& course, const std::vector<SceneMethod>& methods,
+                                              const std::function<scenes::World(const scenes::WorldSettings&)>& make);
+
+/// Time of one / time of the other in the first, common run.
+[[nodiscard]] double narrowphaseRatio(const Outcome& of, const Outcome& to);
+
+/// Sum of the steps' least times, us.
+[[nodiscard]] double totalStepUs(const Run& run);
 
 }  // namespace grapeshot::bench

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -52,6 +53,11 @@ std::vector<Case> closedShapes() {
         {"gear", gear(0.5F, 0.1F, 0.1F, 0.2F, 12)},
         {"fine gear", gear(0.5F, 0.1F, 0.1F, 0.2F, 12, 3)},
         {"comb", comb(5, 0.4F, 0.2F, 0.1F), (9 * 0.1 * 0.1 + 5 * 0.1 * 0.4) * 0.1},
+        {"rod", threadedRod({0.5F, 0, 0.3F}, 2, 96, 10), pi * 0.25 * 2, 1e-3},
+        {"threaded rod", threadedRod({0.5F, 0.05F, 0.3F}, 1.5F, 48, 60), pi * (0.25 + 0.5 * 0.0025) * 1.5, 5e-3},
+        {"nut", threadedNut({0.5F, 0.05F, 0.3F}, 0.02F, 1.5F, 0.6F, 48, 24),
+         (std::sqrt(3.0) / 2 * 2.25 - pi * (0.52 * 0.52 + 0.5 * 0.0025)) * 0.6, 1e-2},
+        {"voussoir", voussoir(1, 1.5F, 0.4F, 0.5F, 12), 0.5 * 0.4 * (2.25 - 1) * 0.5, 1e-3},
         {"fine comb", comb(5, 0.4F, 0.2F, 0.1F, 3), (9 * 0.1 * 0.1 + 5 * 0.1 * 0.4) * 0.1},
     };
 }
@@ -129,6 +135,20 @@ TEST(Shapes, ThePlugFitsItsHole) {
     PoseD shifted;
     shifted.translation = {0.03, 0, 0};
     EXPECT_NEAR(truePenetration(plug, shifted, plate, {}), 0.02, 1e-6);
+}
+
+TEST(Shapes, TheNutHasItsClearanceOnTheRod) {
+    const Thread thread{1, 0.16F, 1};
+    const TrueSurface rod(threadedRod(thread, 4, 96, 96).view());
+    const TrueSurface nut(threadedNut(thread, 0.1F, 3, 2, 96, 48).view());
+    EXPECT_EQ(truePenetration(nut, {}, rod, {}), 0);
+    // Along the axis it has some play, and is held beyond; turned by a quarter it has moved by a quarter of the pitch.
+    PoseD moved;
+    moved.translation = {0, 0.5, 0};
+    EXPECT_GT(truePenetration(nut, moved, rod, {}), 0.1);
+    moved.translation = {0, 0.25, 0};
+    moved.rotation = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    EXPECT_EQ(truePenetration(nut, moved, rod, {}), 0);
 }
 
 TEST(Shapes, TheRingsOfAChainShotAreLinkedWithoutTouching) {

@@ -18,6 +18,16 @@ std::size_t add(World& world, const Mesh& fixed, const Mesh& moving, const PoseD
     return world.addBody(world.addMesh(moving), start, 1);
 }
 
+/// Between the teeth of comb(5, 0.8, 0.8, 0.4), 10 cm narrower than the gaps on each side.
+Mesh rails() {
+    const Eigen::Vector3f rail{0.1F, 0.49F, 0.6F};
+    Mesh mesh = box({2, 0.25F, 0.6F}, 3);
+    for (int i = 0; i < 4; ++i) {
+        mesh = merged(mesh, box(rail, 2), {0.8F * (static_cast<float>(i) - 1.5F), 0.76F, 0});
+    }
+    return mesh;
+}
+
 }  // namespace
 
 std::string_view name(RestScene scene) noexcept {
@@ -28,6 +38,10 @@ std::string_view name(RestScene scene) noexcept {
             return "cross_in_hole";
         case RestScene::interlockedTori:
             return "interlocked_tori";
+        case RestScene::combInRails:
+            return "comb_in_rails";
+        case RestScene::nutOnBolt:
+            return "nut_on_bolt";
         case RestScene::torusOnTorus:
             return "torus_on_torus";
         case RestScene::ballInCup:
@@ -50,6 +64,13 @@ std::size_t addRestScene(World& world, RestScene scene) {
         case RestScene::interlockedTori:
             return add(world, torus(1.0F, 0.25F, 48, 24), torus(1.0F, 0.25F, 48, 24),
                        at(1.0, 0, 0.02, quarter, Eigen::Vector3d::UnitX()));
+        case RestScene::combInRails:
+            return add(world, rails(), comb(5, 0.8F, 0.8F, 0.4F, 2), at(0.01, 1.2, 0.02, 0.02));
+        case RestScene::nutOnBolt: {
+            const Thread thread{1, 0.16F, 1};
+            return add(world, threadedRod(thread, 5, 36, 60), threadedNut(thread, 0.12F, 3.2F, 1.6F, 36, 20),
+                       at(0, 0.01, 0));
+        }
         case RestScene::torusOnTorus:
             return add(world, torus(1.0F, 0.25F, 48, 24), torus(0.8F, 0.25F, 48, 24), at(0.02, 0.6, 0.01, 0.05));
         case RestScene::ballInCup:

@@ -12,11 +12,15 @@ enum class RestScene {
     uOnBar,           ///< an upside-down U, dropped askew over a bar
     crossInHole,      ///< a plus-shaped plug, dropped askew into a plus-shaped hole with a floor
     interlockedTori,  ///< a ring hanging in a ring
+    combInRails,      ///< a comb, dropped askew so that its teeth go between rails
+    nutOnBolt,        ///< a nut on a thread, let go with play all around
     torusOnTorus,     ///< a torus lying in the hollow of a bigger one
     ballInCup,        ///< a bumpy ball dropped into a cup, off its middle
 };
-inline constexpr std::array allRestScenes{RestScene::uOnBar, RestScene::crossInHole, RestScene::interlockedTori,
-                                          RestScene::torusOnTorus, RestScene::ballInCup};
+inline constexpr std::array allRestScenes{RestScene::uOnBar,          RestScene::crossInHole,
+                                          RestScene::interlockedTori, RestScene::combInRails,
+                                          RestScene::nutOnBolt,       RestScene::torusOnTorus,
+                                          RestScene::ballInCup};
 
 [[nodiscard]] std::string_view name(RestScene scene) noexcept;
 

@@ -1,0 +1,149 @@
+#include "scene_quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace grapeshot::bench {
+
+using scenes::Frame;
+using scenes::StepRecord;
+using scenes::World;
+
+Depths depthsOf(const World& world, const std::vector<Frame>& frames) {
+    Depths depths;
+    for (const Frame& frame : frames) {
+        std::vector<double> ofBody(world.bodies(), 0);
+        for (const scenes::PairDepth& pair : world.penetrations(frame)) {
+            depths.pairs.push_back(pair.depth);
+            ofBody[pair.a] = std::max(ofBody[pair.a], pair.depth);
+            ofBody[pair.b] = std::max(ofBody[pair.b], pair.depth);
+        }
+        double deepest = 0;
+        for (std::size_t body = 0; body < ofBody.size(); ++body) {
+            if (world.moving(body)) {
+                depths.bodies.push_back(ofBody[body]);
+                deepest = std::max(deepest, ofBody[body]);
+            }
+        }
+        depths.deepest.push_back(deepest);
+    }
+    return depths;
+}
+
+double residualSpeed(const Run& run, double seconds, double timeStep) {
+    const auto count = std::min(run.steps.size(), static_cast<std::size_t>(std::lround(seconds / timeStep)));
+    double squares = 0;
+    for (std::size_t i = run.steps.size() - count; i < run.steps.size(); ++i) {
+        squares += run.steps[i].rmsSpeed * run.steps[i].rmsSpeed;
+    }
+    return std::sqrt(squares / static_cast<double>(count));
+}
+
+EnergyCourse energyCourse(const Run& run) {
+    EnergyCourse course;
+    const auto energy = [](const StepRecord& step) { return step.kineticEnergy + step.potentialEnergy; };
+    course.initial = energy(run.steps.front());
+    double least = course.initial;
+    for (const StepRecord& step : run.steps) {
+        least = std::min(least, energy(step));
+        course.mostRise = std::max(course.mostRise, energy(step) - least);
+        course.mostOverInitial = std::max(course.mostOverInitial, energy(step) - course.initial);
+    }
+    return course;
+}
+
+namespace {
+
+/// Steps until nobody is awake.
+std::size_t stepsAwake(const Run& run) {
+    std::size_t last = run.steps.size();
+    while (last > 0 && run.steps[last - 1].awake == 0) {
+        --last;
+    }
+    return last;
+}
+
+}  // namespace
+
+double secondsToSleep(const Run& run, double timeStep) {
+    return run.steps.back().awake > 0 ? report::notApplicable : static_cast<double>(stepsAwake(run)) * timeStep;
+}
+
+double meanRadius(const World& world) {
+    double radii = 0;
+    int moving = 0;
+    for (std::size_t body = 0; body < world.bodies(); ++body) {
+        if (world.moving(body)) {
+            radii += world.radius(body);
+            ++moving;
+        }
+    }
+    return radii / std::max(1, moving);
+}
+
+namespace {
+
+void addWork(const Outcome& outcome, double share, Quality& quality) {
+    const Run& run = outcome.recorder.run();
+    const std::uint64_t budget = outcome.method.world.settings.frameBudget.work;
+    const std::size_t steps = std::max<std::size_t>(1, stepsAwake(run));
+    for (std::size_t i = 0; i < run.work.size(); ++i) {
+        const StepWork& step = run.work[i];
+        if (i < steps) {
+            quality.workMean += share * static_cast<double>(step.work) / static_cast<double>(steps);
+            quality.degradedMean += share * step.degraded / static_cast<double>(steps);
+        }
+        quality.longestWait = std::max(quality.longestWait, step.longestWait);
+        const std::uint64_t most = std::max(budget, step.mandatory);
+        if (step.work > most) {
+            quality.workBeyondBudget = std::max(quality.workBeyondBudget, static_cast<double>(step.work - most));
+        }
+    }
+}
+
+void append(const std::vector<double>& lengths, double radius, std::vector<double>& shares) {
+    for (const double length : lengths) {
+        shares.push_back(length / radius);
+    }
+}
+
+}  // namespace
+
+Quality judge(const std::vector<const Outcome*>& starts) {
+    Quality quality;
+    Depths shares;
+    const double share = 1.0 / static_cast<double>(starts.size());
+    double sleeping = 0;
+    for (const Outcome* outcome : starts) {
+        const World& world = outcome->recorder.world();
+        const Run& run = outcome->recorder.run();
+        const double timeStep = world.settings().timeStep;
+        quality.lost += run.steps.back().lost;
+        quality.awakeAtEnd += run.steps.back().awake;
+        const Depths depths = depthsOf(world, run.frames);
+        const double radius = meanRadius(world);
+        append(depths.pairs, radius, shares.pairs);
+        append(depths.bodies, radius, shares.bodies);
+        append(depths.deepest, radius, shares.deepest);
+        const EnergyCourse energy = energyCourse(run);
+        const double initial = std::abs(energy.initial);
+        quality.energyRisePercent = std::max(quality.energyRisePercent, 100 * energy.mostRise / initial);
+        quality.energyOverInitialPercent =
+            std::max(quality.energyOverInitialPercent, 100 * energy.mostOverInitial / initial);
+        sleeping += share * secondsToSleep(run, timeStep);
+        quality.residualSpeed = std::max(quality.residualSpeed, residualSpeed(run, outcome->restSeconds, timeStep));
+        addWork(*outcome, share, quality);
+    }
+    quality.secondsToSleep = sleeping;
+    quality.pairsJudged = shares.pairs.size();
+    quality.pairDepth = report::quantiles(std::move(shares.pairs));
+    quality.bodyDepth = report::quantiles(std::move(shares.bodies));
+    quality.frameDepth = report::quantiles(std::move(shares.deepest));
+    return quality;
+}
+
+Quality judge(const Outcome& outcome) {
+    return judge({&outcome});
+}
+
+}  // namespace grapeshot::bench
