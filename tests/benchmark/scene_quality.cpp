@@ -9,23 +9,42 @@ using scenes::Frame;
 using scenes::StepRecord;
 using scenes::World;
 
+namespace {
+
+/// Penetration in one frame.
+Depths depthsOf(const World& world, const Frame& frame) {
+    Depths depths;
+    std::vector<double> ofBody(world.bodies(), 0);
+    for (const scenes::PairDepth& pair : world.penetrations(frame)) {
+        depths.pairs.push_back(pair.depth);
+        ofBody[pair.a] = std::max(ofBody[pair.a], pair.depth);
+        ofBody[pair.b] = std::max(ofBody[pair.b], pair.depth);
+    }
+    for (std::size_t body = 0; body < ofBody.size(); ++body) {
+        if (world.moving(body)) {
+            depths.bodies.push_back(ofBody[body]);
+        }
+    }
+    return depths;
+}
+
+void append(const std::vector<double>& lengths, double unit, std::vector<double>& shares) {
+    for (const double length : lengths) {
+        shares.push_back(length / unit);
+    }
+}
+
+}  // namespace
+
 Depths depthsOf(const World& world, const std::vector<Frame>& frames) {
     Depths depths;
-    for (const Frame& frame : frames) {
-        std::vector<double> ofBody(world.bodies(), 0);
-        for (const scenes::PairDepth& pair : world.penetrations(frame)) {
-            depths.pairs.push_back(pair.depth);
-            ofBody[pair.a] = std::max(ofBody[pair.a], pair.depth);
-            ofBody[pair.b] = std::max(ofBody[pair.b], pair.depth);
+    Depths last;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        if (i == 0 || !samePoses(frames[i], frames[i - 1])) {  // else all are asleep
+            last = depthsOf(world, frames[i]);
         }
-        double deepest = 0;
-        for (std::size_t body = 0; body < ofBody.size(); ++body) {
-            if (world.moving(body)) {
-                depths.bodies.push_back(ofBody[body]);
-                deepest = std::max(deepest, ofBody[body]);
-            }
-        }
-        depths.deepest.push_back(deepest);
+        append(last.pairs, 1, depths.pairs);
+        append(last.bodies, 1, depths.bodies);
     }
     return depths;
 }
@@ -52,21 +71,18 @@ EnergyCourse energyCourse(const Run& run) {
     return course;
 }
 
-namespace {
-
-/// Steps until nobody is awake.
-std::size_t stepsAwake(const Run& run) {
-    std::size_t last = run.steps.size();
-    while (last > 0 && run.steps[last - 1].awake == 0) {
-        --last;
-    }
-    return last;
-}
-
-}  // namespace
-
 double secondsToSleep(const Run& run, double timeStep) {
     return run.steps.back().awake > 0 ? report::notApplicable : static_cast<double>(stepsAwake(run)) * timeStep;
+}
+
+double meanWorkAwake(const Outcome& outcome) {
+    const Run& run = outcome.recorder.run();
+    const std::size_t steps = std::max<std::size_t>(1, stepsAwake(run));
+    double work = 0;
+    for (std::size_t i = 0; i < steps; ++i) {
+        work += static_cast<double>(run.work[i].work);
+    }
+    return work / static_cast<double>(steps);
 }
 
 double meanRadius(const World& world) {
@@ -87,23 +103,15 @@ void addWork(const Outcome& outcome, double share, Quality& quality) {
     const Run& run = outcome.recorder.run();
     const std::uint64_t budget = outcome.method.world.settings.frameBudget.work;
     const std::size_t steps = std::max<std::size_t>(1, stepsAwake(run));
+    quality.workMean += share * meanWorkAwake(outcome);
     for (std::size_t i = 0; i < run.work.size(); ++i) {
         const StepWork& step = run.work[i];
-        if (i < steps) {
-            quality.workMean += share * static_cast<double>(step.work) / static_cast<double>(steps);
-            quality.degradedMean += share * step.degraded / static_cast<double>(steps);
-        }
+        quality.degradedMean += i < steps ? share * step.degraded / static_cast<double>(steps) : 0.0;
         quality.longestWait = std::max(quality.longestWait, step.longestWait);
         const std::uint64_t most = std::max(budget, step.mandatory);
         if (step.work > most) {
             quality.workBeyondBudget = std::max(quality.workBeyondBudget, static_cast<double>(step.work - most));
         }
-    }
-}
-
-void append(const std::vector<double>& lengths, double radius, std::vector<double>& shares) {
-    for (const double length : lengths) {
-        shares.push_back(length / radius);
     }
 }
 
@@ -124,7 +132,6 @@ Quality judge(const std::vector<const Outcome*>& starts) {
         const double radius = meanRadius(world);
         append(depths.pairs, radius, shares.pairs);
         append(depths.bodies, radius, shares.bodies);
-        append(depths.deepest, radius, shares.deepest);
         const EnergyCourse energy = energyCourse(run);
         const double initial = std::abs(energy.initial);
         quality.energyRisePercent = std::max(quality.energyRisePercent, 100 * energy.mostRise / initial);
@@ -138,7 +145,6 @@ Quality judge(const std::vector<const Outcome*>& starts) {
     quality.pairsJudged = shares.pairs.size();
     quality.pairDepth = report::quantiles(std::move(shares.pairs));
     quality.bodyDepth = report::quantiles(std::move(shares.bodies));
-    quality.frameDepth = report::quantiles(std::move(shares.deepest));
     return quality;
 }
 

@@ -12,9 +12,8 @@ namespace grapeshot::bench {
 
 /// True penetration in all saved frames, m.
 struct Depths {
-    std::vector<double> pairs;    ///< of every pair whose balls meet, in every frame
-    std::vector<double> bodies;   ///< the deepest of each moving body's, in every frame
-    std::vector<double> deepest;  ///< of each frame
+    std::vector<double> pairs;   ///< of every pair whose balls meet, in every frame
+    std::vector<double> bodies;  ///< the deepest of each moving body's, in every frame
 };
 [[nodiscard]] Depths depthsOf(const scenes::World& world, const std::vector<scenes::Frame>& frames);
 
@@ -29,25 +28,28 @@ struct EnergyCourse {
 };
 [[nodiscard]] EnergyCourse energyCourse(const Run& run);
 
-/// From the start until the last body fell asleep for good, s; not applicable if one is awake at the end. Lost bodies do
-/// not count.
+/// From the start until the last body fell asleep for good, s; not applicable if one is awake at the end. Lost bodies
+/// do not count.
 [[nodiscard]] double secondsToSleep(const Run& run, double timeStep);
+
+/// Work units of a step until all sleep, mean.
+[[nodiscard]] double meanWorkAwake(const Outcome& outcome);
 
 /// What is judged of an outcome, or of several starts of a scene together.
 struct Quality {
     int lost = 0;        ///< of all starts
     int awakeAtEnd = 0;  ///< the same
     /// Shares of the moving bodies' mean radius.
-    report::Quantiles pairDepth, bodyDepth, frameDepth;
+    report::Quantiles pairDepth, bodyDepth;
     std::size_t pairsJudged = 0;
     double energyRisePercent = 0;  ///< of the initial energy; of the worst start
     double energyOverInitialPercent = 0;
     double secondsToSleep = report::notApplicable;  ///< mean of the starts; not applicable if one stays awake
     double residualSpeed = 0;                       ///< RMS at the end, m/s; of the worst start
-    double workMean = 0;         ///< work units of a step until all sleep
-    double degradedMean = 0;     ///< pairs of such a step cut short
-    double workBeyondBudget = 0; ///< most of a step beyond max(budget, mandatory slices)
-    std::uint32_t longestWait = 0;  ///< steps
+    double workMean = 0;                            ///< work units of a step until all sleep
+    double degradedMean = 0;                        ///< pairs of such a step cut short
+    double workBeyondBudget = 0;                    ///< most of a step beyond max(budget, mandatory slices)
+    std::uint32_t longestWait = 0;                  ///< steps
 };
 [[nodiscard]] Quality judge(const Outcome& outcome);
 [[nodiscard]] Quality judge(const std::vector<const Outcome*>& starts);

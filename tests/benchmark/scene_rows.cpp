@@ -67,7 +67,8 @@ report::Row rowOf(const std::string& scenario, const std::string& mesh, const Ou
                 {"manifolds", meanOf(run, &StepRecord::manifolds)},
                 {"work", quality.workMean},
                 {"degraded", quality.degradedMean}};
-    row.measured = {{"stepMeanUs", report::mean(run.stepUs)},
+    row.measured = {{"awakeMeanUs", awakeMeanUs(run, run.narrowphaseUs)},
+                    {"stepAwakeMeanUs", awakeMeanUs(run, run.stepUs)},
                     {"lost", static_cast<double>(quality.lost)},
                     {"depthP50", quality.bodyDepth.p50},
                     {"depthP99", quality.bodyDepth.p99},
@@ -85,8 +86,8 @@ report::Row rowOf(const std::string& scenario, const std::string& mesh, const Ou
     return row;
 }
 
-std::vector<Quality> addRows(const std::string& scenario, const std::string& mesh,
-                             const std::vector<Outcome>& outcomes, const std::string& peer, report::Report& results) {
+std::vector<Quality> addRows(const std::string& scenario, const std::string& mesh, const std::vector<Outcome>& outcomes,
+                             const std::string& peer, report::Report& results) {
     const auto other = std::ranges::find(outcomes, peer, [](const Outcome& outcome) { return outcome.method.name; });
     std::vector<Quality> qualities;
     for (const Outcome& outcome : outcomes) {

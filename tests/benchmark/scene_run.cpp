@@ -20,22 +20,28 @@ void Recorder::step() {
     }
 }
 
+bool samePoses(const Frame& x, const Frame& y) {
+    return std::ranges::equal(x, y, [](const scenes::PoseD& p, const scenes::PoseD& q) {
+        return p.rotation == q.rotation && p.translation == q.translation;
+    });
+}
+
 bool mergeReplay(Run& run, const Run& replay) {
     for (std::size_t i = 0; i < run.narrowphaseUs.size(); ++i) {
         run.narrowphaseUs[i] = std::min(run.narrowphaseUs[i], replay.narrowphaseUs[i]);
         run.stepUs[i] = std::min(run.stepUs[i], replay.stepUs[i]);
     }
-    const auto samePose = [](const scenes::PoseD& x, const scenes::PoseD& y) {
-        return x.rotation == y.rotation && x.translation == y.translation;
-    };
-    return std::ranges::equal(run.frames, replay.frames,
-                              [&](const Frame& x, const Frame& y) { return std::ranges::equal(x, y, samePose); });
+    return std::ranges::equal(run.frames, replay.frames, samePoses);
 }
 
 namespace {
 
+double sum(const std::vector<double>& values, std::size_t first) {
+    return std::accumulate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(first), 0.0);
+}
+
 double sum(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
+    return sum(values, values.size());
 }
 
 /// One run of all; each world keeps its own time step.
@@ -52,8 +58,8 @@ std::vector<Recorder> runOnce(const Course& course, const std::vector<const Scen
         more = false;
         double slowest = course.seconds;
         for (const Recorder& recorder : recorders) {
-            slowest = std::min(slowest, static_cast<double>(recorder.run().steps.size()) *
-                                            recorder.world().settings().timeStep);
+            slowest = std::min(slowest,
+                               static_cast<double>(recorder.run().steps.size()) * recorder.world().settings().timeStep);
         }
         for (Recorder& recorder : recorders) {
             const double timeStep = recorder.world().settings().timeStep;
@@ -107,12 +113,26 @@ std::vector<Outcome> runInTurns(const Course& course, const std::vector<SceneMet
     return outcomes;
 }
 
-double narrowphaseRatio(const Outcome& of, const Outcome& to) {
-    return of.narrowphaseTotalsUs.front() / to.narrowphaseTotalsUs.front();
+std::size_t stepsAwake(const Run& run) {
+    std::size_t last = run.steps.size();
+    while (last > 0 && run.steps[last - 1].awake == 0) {
+        --last;
+    }
+    return last;
 }
 
-double totalStepUs(const Run& run) {
-    return sum(run.stepUs);
+double narrowphaseRatio(const Outcome& of, const Outcome& to) {
+    // Steps in which all sleep cost next to nothing, but may be many.
+    const auto ofStep = [](const Outcome& outcome) {
+        return outcome.narrowphaseTotalsUs.front() /
+               static_cast<double>(std::max<std::size_t>(1, stepsAwake(outcome.recorder.run())));
+    };
+    return ofStep(of) / ofStep(to);
+}
+
+double awakeMeanUs(const Run& run, const std::vector<double>& timesUs) {
+    const std::size_t steps = std::max<std::size_t>(1, stepsAwake(run));
+    return sum(timesUs, steps) / static_cast<double>(steps);
 }
 
 }  // namespace grapeshot::bench

@@ -46,6 +46,9 @@ class Recorder {
     Run m_run;
 };
 
+/// To the last bit.
+[[nodiscard]] bool samePoses(const scenes::Frame& x, const scenes::Frame& y);
+
 /// Times of each step become the lesser of both runs; the worlds must have been the same. Returns whether all saved
 /// poses are the same to the last bit.
 bool mergeReplay(Run& run, const Run& replay);
@@ -54,7 +57,7 @@ bool mergeReplay(Run& run, const Run& replay);
 struct Course {
     std::string scenario;
     double seconds = 10;
-    double frameSeconds = 1.0 / 6;  ///< between saved poses
+    double frameSeconds = 1.0 / 4;  ///< between saved poses
     double restSeconds = 1;         ///< at the end, in which nothing should move any more
     bool progress = true;           ///< a line per second on stderr
 };
@@ -63,7 +66,7 @@ struct Course {
 struct Outcome {
     SceneMethod method;
     Recorder recorder;
-    double restSeconds = 1;  ///< as in the course
+    double restSeconds = 1;                   ///< as in the course
     std::vector<double> narrowphaseTotalsUs;  ///< of every replay
     int differing = 0;                        ///< replays of other poses
 };
@@ -73,10 +76,13 @@ struct Outcome {
 [[nodiscard]] std::vector<Outcome> runInTurns(const Course& course, const std::vector<SceneMethod>& methods,
                                               const std::function<scenes::World(const scenes::WorldSettings&)>& make);
 
-/// Time of one / time of the other in the first, common run.
+/// Steps until all fell asleep for good.
+[[nodiscard]] std::size_t stepsAwake(const Run& run);
+
+/// Time of one's step / time of the other's in the first, common run, both while anybody is awake in it.
 [[nodiscard]] double narrowphaseRatio(const Outcome& of, const Outcome& to);
 
-/// Sum of the steps' least times, us.
-[[nodiscard]] double totalStepUs(const Run& run);
+/// Mean of the steps' least times while anybody is awake, us.
+[[nodiscard]] double awakeMeanUs(const Run& run, const std::vector<double>& timesUs);
 
 }  // namespace grapeshot::bench

@@ -6,7 +6,9 @@
 #include <string>
 #include <string_view>
 
+#include "scene_budget.hpp"
 #include "scene_fine_pile.hpp"
+#include "scene_machines.hpp"
 #include "scene_pile.hpp"
 #include "scene_rest.hpp"
 
@@ -25,6 +27,15 @@ void rest(const Options& options, report::Report& results) {
     runRest(scene, options, results);
 }
 
+template <const char* name>
+void machine(const Options& options, report::Report& results) {
+    runMachine(name, options, results);
+}
+constexpr char chain[] = "chain";
+constexpr char cups[] = "stacked_cups";
+constexpr char gears[] = "gears";
+constexpr char arch[] = "arch";
+
 constexpr std::array scenarios{
     Scenario{"pile", true, runPile},
     Scenario{"pile_20k", false, runFinePile},
@@ -37,6 +48,12 @@ constexpr std::array scenarios{
     Scenario{"interlocked_tori", true, rest<test::RestScene::interlockedTori>},
     Scenario{"comb_in_rails", true, rest<test::RestScene::combInRails>},
     Scenario{"nut_on_bolt", true, rest<test::RestScene::nutOnBolt>},
+    Scenario{"budget", false, runBudget},
+    Scenario{chain, false, machine<chain>},
+    Scenario{cups, false, machine<cups>},
+    Scenario{gears, false, machine<gears>},
+    Scenario{arch, false, machine<arch>},
+    Scenario{"haptic_pair", false, runHapticPair},
 };
 
 }  // namespace
