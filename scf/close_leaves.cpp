@@ -6,7 +6,7 @@
 
 #include <grapeshot/scf/detail/meter.hpp>
 #include <grapeshot/scf/detail/pair_space.hpp>
-#include <grapeshot/scf/detail/surface_input.hpp>
+#include <grapeshot/scf/detail/placing.hpp>
 
 namespace grapeshot {
 
@@ -27,18 +27,11 @@ constexpr std::uint64_t mostOfTwoLeaves = 17;  // units
 
 /// False: the state cannot be used.
 bool place(std::optional<PosedTree>& posed, const BallTree& tree, const SurfaceState& state) {
-    if (!detail::isOfSurface(tree.surface, {state.positions}, state.triangles) ||
-        (state.pose && !isRigid(*state.pose)) || !detail::isUsable(state.stretch)) {
-        return false;
-    }
-    const float stretch = detail::stretchToUse(state.stretch, tree.surface, {state.positions});
-    if (std::isnan(stretch)) {
+    if (detail::faultIn(state, tree.surface)) {
         return false;
     }
     posed ? posed->turnTo(tree) : void(posed.emplace(tree));
-    const Pose* pose = state.pose ? &*state.pose : nullptr;
-    state.positions.empty() ? posed->beginAtRest(pose) : posed->begin(state.positions, pose, stretch);
-    return true;
+    return !detail::place(state, *posed).fault;
 }
 
 }  // namespace

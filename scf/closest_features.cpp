@@ -49,11 +49,11 @@ ClosestResult ClosestQuery::State::find(const SurfaceState& stateA, const Surfac
     if (const auto fault = stateB != nullptr ? detail::faultIn(*stateB, b->tree().surface) : std::nullopt) {
         return refused(*fault);
     }
-    if (const auto placed = detail::place(stateA, a); placed.fault) {
+    if (const auto placed = detail::place(stateA, a, detail::Centers::vertices); placed.fault) {
         return refused(*placed.fault);
     }
     if (stateB != nullptr) {
-        if (const auto placed = detail::place(*stateB, *b); placed.fault) {
+        if (const auto placed = detail::place(*stateB, *b, detail::Centers::vertices); placed.fault) {
             return refused(*placed.fault);
         }
     }

@@ -43,7 +43,7 @@ float stretchToUse(const SurfaceMotion& motion, const Surface& surface) {
                               : stretchToUse(motion.stretch, surface, {motion.before, motion.now});
 }
 
-Placed place(const SurfaceState& state, PosedTree& tree) {
+Placed place(const SurfaceState& state, PosedTree& tree, Centers centers) {
     const Surface& surface = tree.tree().surface;
     Placed result;
     result.stretch = stretchToUse(state.stretch, surface, {state.positions});
@@ -52,7 +52,13 @@ Placed place(const SurfaceState& state, PosedTree& tree) {
         return result;
     }
     const Pose* pose = state.pose ? &*state.pose : nullptr;
-    state.positions.empty() ? tree.beginAtRest(pose) : tree.begin(state.positions, pose, result.stretch);
+    if (!state.positions.empty()) {
+        tree.begin(state.positions, pose, result.stretch);
+    } else if (centers == Centers::anywhere) {
+        tree.beginAtRest(pose);
+    } else {
+        tree.begin(surface.rest, pose, result.stretch);
+    }
     return result;
 }
 

@@ -27,7 +27,12 @@ struct Placed {
     float stretch = 1;  ///< that the balls were made with; 0 if they were fitted
     std::optional<Fault> fault;
 };
+/// Where the balls' centres may be.
+enum class Centers {
+    anywhere,  ///< of a body at rest: smaller balls
+    vertices,
+};
 /// @pre nothing is wrong with the state
-Placed place(const SurfaceState& state, PosedTree& tree);
+Placed place(const SurfaceState& state, PosedTree& tree, Centers centers = Centers::anywhere);
 
 }  // namespace grapeshot::detail

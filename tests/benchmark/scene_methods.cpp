@@ -228,7 +228,7 @@ std::vector<Scene> scenesOf(const Options& options) {
         pile.trianglesPerBody = 1200;
     }
     std::vector<Scene> all;
-    all.push_back({"pile", options.quick ? 100 : 240, [pile] { return makePile(Engine::grapeshot, pile); }});
+    all.push_back({"pile", options.quick ? 100 : 240, [pile] { return makePile({}, pile); }});
     for (const test::RestScene rest :
          {test::RestScene::uOnBar, test::RestScene::crossInHole, test::RestScene::interlockedTori}) {
         all.push_back({std::string(test::name(rest)), options.quick ? 60 : 600, [rest] {

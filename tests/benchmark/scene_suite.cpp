@@ -9,6 +9,7 @@
 #include "scene_budget.hpp"
 #include "scene_fine_pile.hpp"
 #include "scene_machines.hpp"
+#include "scene_methods.hpp"
 #include "scene_pile.hpp"
 #include "scene_rest.hpp"
 
@@ -54,6 +55,7 @@ constexpr std::array scenarios{
     Scenario{gears, false, machine<gears>},
     Scenario{arch, false, machine<arch>},
     Scenario{"haptic_pair", false, runHapticPair},
+    Scenario{"methods", false, runMethods},
 };
 
 }  // namespace
