@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "scene_appear.hpp"
 #include "scene_budget.hpp"
 #include "scene_fine_pile.hpp"
 #include "scene_machines.hpp"
@@ -55,6 +56,7 @@ constexpr std::array scenarios{
     Scenario{gears, false, machine<gears>},
     Scenario{arch, false, machine<arch>},
     Scenario{"haptic_pair", false, runHapticPair},
+    Scenario{"appear", false, runAppear},
     Scenario{"methods", false, runMethods},
 };
 
