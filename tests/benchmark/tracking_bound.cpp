@@ -32,7 +32,7 @@ BoundTally tallyOf(std::uint64_t seed, int frames, std::uint64_t work, int forge
     settings.maxDistance = scene.maxDistance;
     settings.spacing = scene.spacing;
     settings.frontCells = 64;
-    settings.auditShare = 0.6F;
+    settings.auditShare = 0.7F;  // narrower bounds for one miss in twenty more, on seeds 5 and 6
     settings.seed = seed;
     TrackSettings exactly = settings;
     exactly.mode = TrackMode::exact;
