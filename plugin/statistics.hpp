@@ -37,6 +37,10 @@ struct PairStatistics {
     bool traversed = false;                      ///< the trees were traversed, candidates collected anew
     bool refreshed = false;                      ///< known contacts were brought up to date, see Settings::reuse
     StopReason stop = StopReason::invalidInput;  ///< invalidInput: refused, no contacts
+    bool soft = false;                           ///< one of them is a soft body; `speculative`: what would pass through
+    /// Of soft pairs: 95 % bound on the contact cells (see MissEstimate) that were not found; 0 if certain, infinite if
+    /// nobody knows.
+    double missBound = 0;
 };
 
 /// Pairs of two kinds of shapes that were taken, by BroadphaseNativeTypes, the smaller one first.

@@ -7,6 +7,7 @@
 #include <atomic>
 
 #include <grapeshot/plugin/detail/shape_kind.hpp>
+#include <grapeshot/plugin/detail/soft_algorithm.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -16,7 +17,7 @@ namespace {
 
 constexpr std::array meshTypes{TRIANGLE_MESH_SHAPE_PROXYTYPE, SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE,
                                MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE, TERRAIN_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE};
-// Concave kinds that we do not know. Compounds are Bullet's own recursion, soft bodies another configuration's.
+// Concave kinds that we do not know. Compounds are Bullet's own recursion.
 constexpr std::array unknownTypes{FAST_CONCAVE_MESH_PROXYTYPE, STATIC_PLANE_PROXYTYPE, CUSTOM_CONCAVE_SHAPE_TYPE};
 
 std::uint64_t nextSerial() {
@@ -30,6 +31,7 @@ Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()
     creators[0] = std::make_unique<MeshCollisionAlgorithm::CreateFunc>(*this, false);
     creators[1] = std::make_unique<MeshCollisionAlgorithm::CreateFunc>(*this, true);
     gimpact = std::make_unique<btGImpactCollisionAlgorithm::CreateFunc>();
+    soft = std::make_unique<SoftAlgorithm::CreateFunc>(*this);
     // All pairs of types, so that counting cannot fail.
     statistics.taken.reserve(std::size_t{MAX_BROADPHASE_COLLISION_TYPES} * (MAX_BROADPHASE_COLLISION_TYPES + 1) / 2);
 }
@@ -55,6 +57,9 @@ namespace {
 
 /// Is the place one that these settings take?
 bool isWanted(const Cell& cell, const Settings& settings) {
+    if (cell.first == SOFTBODY_SHAPE_PROXYTYPE || cell.second == SOFTBODY_SHAPE_PROXYTYPE) {
+        return settings.softPairs;
+    }
     const bool gimpact = cell.first == GIMPACT_SHAPE_PROXYTYPE || cell.second == GIMPACT_SHAPE_PROXYTYPE;
     if (gimpact) {
         const int other = cell.first == GIMPACT_SHAPE_PROXYTYPE ? cell.second : cell.first;
@@ -83,6 +88,22 @@ void Context::install(btCollisionDispatcher& dispatcher) {
             takeIfEmpty(dispatcher, table, GIMPACT_SHAPE_PROXYTYPE, other);
             takeIfEmpty(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
         }
+    }
+    if (settings.softPairs) {
+        takeSoft(dispatcher);
+    }
+}
+
+/// Only where the configuration knows soft bodies. Queries have no algorithm for them, not even Bullet's.
+void Context::takeSoft(btCollisionDispatcher& dispatcher) {
+    constexpr int type = SOFTBODY_SHAPE_PROXYTYPE;
+    const auto* known = creatorIn(dispatcher, Table::contacts, type, type);
+    if (known == nullptr || known == emptyCreatorIn(dispatcher, Table::contacts)) {
+        return;
+    }
+    for (const int mesh : meshTypes) {
+        take(dispatcher, Table::contacts, type, mesh, soft.get());
+        take(dispatcher, Table::contacts, mesh, type, soft.get());
     }
 }
 
@@ -180,6 +201,18 @@ btCollisionAlgorithm* Context::createForeign(btCollisionAlgorithmConstructionInf
     }
     return cell != cells.end() && cell->previous != nullptr
                ? cell->previous->CreateCollisionAlgorithm(info, body0, body1)
+               : nullptr;
+}
+
+btCollisionAlgorithm* Context::createPrevious(btCollisionAlgorithmConstructionInfo& info,
+                                              const btCollisionObjectWrapper& body0,
+                                              const btCollisionObjectWrapper& body1) {
+    const auto cell = std::find_if(cells.begin(), cells.end(), [&](const Cell& candidate) {
+        return candidate.table == Table::contacts && candidate.first == body0.getCollisionShape()->getShapeType() &&
+               candidate.second == body1.getCollisionShape()->getShapeType();
+    });
+    return cell != cells.end() && cell->previous != nullptr
+               ? cell->previous->CreateCollisionAlgorithm(info, &body0, &body1)
                : nullptr;
 }
 

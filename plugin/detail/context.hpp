@@ -10,6 +10,7 @@
 #include <grapeshot/plugin/collision_algorithm.hpp>
 #include <grapeshot/plugin/detail/dispatch_tables.hpp>
 #include <grapeshot/plugin/detail/frame.hpp>
+#include <grapeshot/plugin/detail/soft_surface.hpp>
 #include <grapeshot/plugin/settings.hpp>
 #include <grapeshot/plugin/statistics.hpp>
 
@@ -47,6 +48,9 @@ struct Context : std::enable_shared_from_this<Context> {
     btCollisionAlgorithm* createForeign(btCollisionAlgorithmConstructionInfo& info,
                                         const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
                                         Table table);
+    /// The same for two shapes of a place in the contact table: from whoever had it, null if nobody.
+    btCollisionAlgorithm* createPrevious(btCollisionAlgorithmConstructionInfo& info,
+                                         const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 
     /// A pair comes by that was last processed in `lastStep` (0: never): begins a new step if it was this one. Returns
     /// the step.
@@ -74,6 +78,8 @@ struct Context : std::enable_shared_from_this<Context> {
     std::vector<Cell> cells;
     std::array<std::unique_ptr<MeshCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table
     std::unique_ptr<btCollisionAlgorithmCreateFunc> gimpact;
+    std::unique_ptr<btCollisionAlgorithmCreateFunc> soft;
+    SoftEntries softEntries;
     bool lostCells = false;  ///< somebody took one of our places, and may have kept our creator as the one before him
     std::uint64_t settingsVersion = 0;  ///< rises when settings are set
     std::uint64_t serial = 0;           ///< different for each context of the process
@@ -83,6 +89,7 @@ struct Context : std::enable_shared_from_this<Context> {
               btCollisionAlgorithmCreateFunc* placed = nullptr);
     void takeSolids(btCollisionDispatcher& dispatcher, Table table);
     void takeCompounds(btCollisionDispatcher& dispatcher, Table table);
+    void takeSoft(btCollisionDispatcher& dispatcher);
     void giveBackUnwanted(btCollisionDispatcher& dispatcher);
     void takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int first, int second);
     void giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const;

@@ -1,0 +1,138 @@
+#include <grapeshot/plugin/detail/soft_pair.hpp>
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+
+#include <algorithm>
+
+#include <grapeshot/core/random.hpp>
+#include <grapeshot/plugin/detail/shape_kind.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+btSoftBody* softOf(const btCollisionObjectWrapper& wrap) {
+    // Of a compound's child the object is the whole body.
+    return const_cast<btSoftBody*>(btSoftBody::upcast(wrap.getCollisionObject()));
+}
+
+int proxyOf(const btCollisionObject& object) {
+    const btBroadphaseProxy* proxy = object.getBroadphaseHandle();
+    return proxy != nullptr ? proxy->getUid() : -1;
+}
+
+bool isDisabled(const btSoftBody& soft, const btCollisionObject& other) {
+    const auto& disabled = soft.m_collisionDisabledObjects;
+    return disabled.findLinearSearch(&other) != disabled.size();
+}
+
+}  // namespace
+
+SoftPair::~SoftPair() {
+    dropDelegate();
+}
+
+void SoftPair::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                       const btDispatcherInfo& info, btManifoldResult& result) {
+    m_step = m_context->enterStep(m_step);
+    btSoftBody* soft0 = softOf(body0);
+    btSoftBody* soft1 = softOf(body1);
+    btSoftBody* soft = soft0 != nullptr ? soft0 : soft1;
+    const btCollisionObjectWrapper& other = soft0 != nullptr ? body1 : body0;
+    const bool ours = soft != nullptr && (soft0 == nullptr) != (soft1 == nullptr) &&
+                      isMesh(*other.getCollisionShape()) && rigidWorldOf(*soft) != SoftWorld::neither &&
+                      m_context->settings.softPairs;
+    if (!ours) {
+        m_rigid.reset();
+        delegate(body0, body1, info, result);
+        return;
+    }
+    dropDelegate();
+    processMesh(*soft, other, info);
+}
+
+void SoftPair::processMesh(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btDispatcherInfo& info) {
+    const btCollisionObject& object = *rigid.getCollisionObject();
+    if (isDisabled(soft, object)) {
+        m_rigid.reset();
+        return;
+    }
+    if (m_rigid == nullptr) {
+        m_rigid = std::make_unique<SoftRigidPair>(*m_context);
+    }
+    const Budget budget = openBudget();
+    const std::uint64_t look = m_context->framed ? m_context->dispatches : m_step;
+    const std::uint64_t key =
+        pairKey(static_cast<std::uint32_t>(proxyOf(soft)), static_cast<std::uint32_t>(proxyOf(object)));
+    report(soft, object, m_rigid->process(soft, rigid, info.m_timeStep, look, key, budget), budget);
+}
+
+/// Soft pairs take what they need from the frame when their turn comes.
+Budget SoftPair::openBudget() const {
+    Budget budget = m_context->settings.pairBudget;
+    if (const Frame* frame = m_context->openFrame()) {
+        const Budget slice = frame->latecomerSlice(softSlice);
+        budget.work = std::min(budget.work, slice.work);
+        if (slice.time != never) {
+            budget.time = std::min(budget.time, slice.time);
+            budget.clock = slice.clock;
+        }
+    }
+    return budget;
+}
+
+void SoftPair::report(const btCollisionObject& first, const btCollisionObject& second, const SoftPairResult& result,
+                      const Budget& budget) {
+    PairStatistics pair;
+    pair.proxyA = proxyOf(first);
+    pair.proxyB = proxyOf(second);
+    pair.soft = true;
+    pair.work = result.near.work;
+    pair.slice = budget.work;
+    pair.candidates = static_cast<std::uint32_t>(result.pairs);
+    pair.contacts = result.contacts;
+    pair.speculative = result.crossings;
+    pair.deepest = result.deepest;
+    pair.certain = result.near.certain;
+    pair.stop = result.near.stop;
+    pair.traversed = true;
+    pair.missBound = result.near.certain ? 0 : result.near.miss.missedBound;
+    if (Frame* frame = m_context->openFrame()) {
+        frame->payLatecomer(pair.work, std::min(pair.work, softSlice));
+    }
+    result.refusal.empty() ? m_context->record(pair) : m_context->refuse(pair, result.refusal);
+}
+
+void SoftPair::delegate(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                        const btDispatcherInfo& info, btManifoldResult& result) {
+    if (m_delegate == nullptr) {
+        btCollisionAlgorithmConstructionInfo construction;
+        construction.m_dispatcher1 = &m_dispatcher;
+        construction.m_manifold = nullptr;
+        m_delegate = m_context->createPrevious(construction, body0, body1);
+    }
+    if (m_delegate != nullptr) {
+        m_delegate->processCollision(&body0, &body1, info, &result);
+    }
+}
+
+void SoftPair::dropDelegate() {
+    if (m_delegate != nullptr) {
+        m_delegate->~btCollisionAlgorithm();
+        m_dispatcher.freeCollisionAlgorithm(m_delegate);
+        m_delegate = nullptr;
+    }
+}
+
+void SoftPair::collectManifolds(btManifoldArray& manifolds) const {
+    if (m_delegate != nullptr) {
+        m_delegate->getAllContactManifolds(manifolds);
+    }
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

@@ -1,0 +1,193 @@
+#include <grapeshot/plugin/detail/soft_rigid_pair.hpp>
+
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+#include <utility>
+
+#include <grapeshot/core/error.hpp>
+#include <grapeshot/plugin/detail/convert.hpp>
+#include <grapeshot/plugin/detail/deformable_contact_writer.hpp>
+#include <grapeshot/plugin/detail/rigid_contact_writer.hpp>
+#include <grapeshot/plugin/detail/shape_kind.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+/// Where the body will be at the end of the step, as far as anybody knows before its contacts are solved.
+btTransform endOf(const btCollisionObject& object, btScalar timeStep) {
+    btTransform end = object.getWorldTransform();
+    const btRigidBody* body = btRigidBody::upcast(&object);
+    if (body != nullptr && !(body->isStaticObject())) {
+        btVector3 velocity = body->getLinearVelocity();
+        if (body->isActive() && !body->isKinematicObject()) {
+            velocity += body->getTotalForce() * body->getInvMass() * timeStep;
+        }
+        btTransformUtil::integrateTransform(object.getWorldTransform(), velocity, body->getAngularVelocity(), timeStep,
+                                            end);
+    }
+    return end;
+}
+
+float longestWay(const std::vector<Eigen::Vector3f>& from, const std::vector<Eigen::Vector3f>& to) {
+    float most = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        most = std::max(most, (to[i] - from[i]).squaredNorm());
+    }
+    return std::sqrt(most);
+}
+
+}  // namespace
+
+SoftWorld rigidWorldOf(const btSoftBody& body) {
+    switch (body.m_cfg.collisions & btSoftBody::fCollision::RVSmask) {
+        case btSoftBody::fCollision::SDF_RS:
+            return SoftWorld::positions;
+        case btSoftBody::fCollision::SDF_RD:
+            return SoftWorld::velocities;
+        default:
+            return SoftWorld::neither;
+    }
+}
+
+void SoftRigidPair::forget() {
+    m_sides.clear();
+    m_last.clear();
+    m_contacts.clear();
+}
+
+bool SoftRigidPair::findSurfaces(const btSoftBody& soft, const btCollisionShape& shape, std::uint64_t look,
+                                 std::string& refusal) {
+    if (m_body != &soft || m_softEntry == nullptr) {
+        m_body = &soft;
+        m_softEntry = m_context.softEntries.entry(soft);
+    }
+    if (m_shape != &shape || m_shapeEntry == nullptr) {
+        m_shape = &shape;
+        m_shapeEntry = ShapeModels::instance().entry(shape);
+    }
+    const std::uint64_t step = look == 0 ? 0 : (m_context.serial << 40U) + look;
+    auto model = m_shapeEntry->model(shape, ShapeModels::instance().cache(), Check::sampled, step);
+    auto surface = m_softEntry->surface(soft, look);
+    if (!model->mesh || !surface) {
+        refusal = surface ? model->error : m_softEntry->error();
+        return false;
+    }
+    if (surface != m_soft || model->mesh != (m_model ? m_model->mesh : nullptr)) {
+        forget();
+        m_soft = std::move(surface);
+        m_model = std::move(model);
+        m_rigid = rigidSurfaceOf(m_model);
+        m_near = std::make_unique<NearPairs>(std::shared_ptr<const BallTree>(m_soft, &m_soft->tree),
+                                             std::shared_ptr<const BallTree>(m_rigid, &m_rigid->tree));
+    }
+    return true;
+}
+
+bool SoftRigidPair::readPositions(const btSoftBody& soft, const btTransform& from, const btTransform& to,
+                                  btScalar timeStep, SoftWorld world) {
+    if (world == SoftWorld::velocities) {
+        return deformedPositionsOf(soft, *m_soft, 0, from, m_before) &&
+               deformedPositionsOf(soft, *m_soft, timeStep, to, m_after);
+    }
+    return positionsOf(soft, *m_soft, NodePart::before, from, m_before) &&
+           positionsOf(soft, *m_soft, NodePart::after, to, m_after);
+}
+
+/// Somebody has put a body elsewhere: what it passed on that way is of no concern.
+void SoftRigidPair::forgetIfMoved() {
+    const float way = longestWay(m_before, m_after);
+    if (m_last.size() != m_before.size() ||
+        longestWay(m_last, m_before) > 4 * (way + m_usualWay) + 0.5F * m_soft->meanEdge) {
+        m_sides.clear();
+        m_last = m_before;
+    }
+    m_usualWay = way;
+}
+
+SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectWrapper& rigid, btScalar timeStep,
+                                      std::uint64_t look, std::uint64_t key, const Budget& budget) {
+    SoftPairResult result;
+    m_contacts.clear();
+    const btCollisionObject& object = *rigid.getCollisionObject();
+    const SoftWorld world = rigidWorldOf(soft);
+    try {
+        if (!findSurfaces(soft, *rigid.getCollisionShape(), look, result.refusal)) {
+            forget();
+            return result;
+        }
+    } catch (const Error& error) {
+        result.refusal = error.what();
+        forget();
+        return result;
+    }
+    const btTransform end = endOf(object, timeStep);
+    const btTransform frame = end * object.getWorldTransform().inverseTimes(rigid.getWorldTransform());
+    if (!readPositions(soft, rigid.getWorldTransform(), frame, timeStep, world)) {
+        result.refusal = "a node's position is no number";
+        forget();
+        return result;
+    }
+    forgetIfMoved();
+    const Eigen::Vector3f* rest = m_rigid->tree.surface.rest.data();
+    const std::span<const Eigen::Vector3f> still(rest, m_rigid->tree.surface.rest.size());
+    const SurfaceInStep a{m_last,          m_before, m_after,       m_soft->triangles(),
+                          &m_soft->owners, false,    m_soft->solid, m_soft->thread};
+    const SurfaceInStep b{still, still,          still, m_rigid->tree.surface.triangles, &m_rigid->owners,
+                          true,  m_rigid->solid, false};
+    NearSettings settings;
+    settings.distance = static_cast<float>(soft.getCollisionShape()->getMargin() + marginOf(*m_shape));
+    settings.spacing = 0.5F * m_soft->meanEdge;
+    settings.seed = m_context.settings.seed;
+    settings.pair = key;
+    settings.budget = budget;
+    result.near = m_near->find(a, b, settings, m_pairs);
+    if (result.near.stop == StopReason::invalidInput) {
+        result.refusal = "a position is no number";
+        forget();
+        return result;
+    }
+    result.pairs = m_pairs.size();
+    m_sides.find(a, b, m_pairs, static_cast<double>(settings.distance), nullptr, m_contacts);
+    result.contacts = write(soft, rigid, frame, end.getOrigin(), settings.distance, world);
+    for (const SurfaceContact& contact : m_contacts) {
+        result.crossings += contact.crossing ? 1 : 0;
+        result.deepest = std::max(result.deepest, settings.distance - contact.before);
+    }
+    m_last.swap(m_before);
+    return result;
+}
+
+int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btTransform& frame,
+                         const btVector3& origin, float distance, SoftWorld world) {
+    const btCollisionObject& object = *rigid.getCollisionObject();
+    if (!m_contacts.empty() && !soft.isActive()) {
+        // Its solver sleeps and would not clear them.
+        if (object.isActive() && !object.isStaticObject()) {
+            soft.activate();
+        }
+        return 0;
+    }
+    const RigidContactSite site{soft, object, frame, origin};
+    int written = 0;
+    if (world == SoftWorld::velocities) {
+        for (const SurfaceContact& contact : m_contacts) {
+            const bool onThread = m_soft->thread && contact.features == Features::faceCorner;
+            written += !onThread && writeDeformableContact(site, *m_softEntry, contact, distance) ? 1 : 0;
+        }
+        return written;
+    }
+    const double hardness = object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR;
+    const MoveSettings settings{distance, hardness, m_soft->thread};
+    for (const NodeMove& move : nodeMoves(soft, m_contacts, settings)) {
+        written += writeRigidContact(site, move) ? 1 : 0;
+    }
+    return written;
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot
