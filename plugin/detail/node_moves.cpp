@@ -11,14 +11,6 @@ namespace {
 
 constexpr int passes = 12;
 
-/// How far a contact that starts inside is to come back in this step. The outer half of the margin is a cushion as soft
-/// as the body wants it, what is deeper comes back faster.
-double wayBack(double before, const MoveSettings& settings) {
-    const double half = 0.5 * settings.distance;
-    const double deep = half - before;
-    return std::max({settings.hardness * (settings.distance - before), std::min(deep, half), 0.2 * deep});
-}
-
 struct Point {
     std::array<std::size_t, 3> slots{};
     std::array<double, 3> weights{};
@@ -31,8 +23,14 @@ struct Point {
 
 }  // namespace
 
+double wayBack(double before, double distance, double hardness) {
+    const double inside = distance - before;
+    const double deep = before < 0.5 * distance ? 0.5 * distance - before : 0;
+    return std::max(hardness * inside, std::max(std::min(deep, 0.5 * distance), 0.2 * deep));
+}
+
 std::vector<NodeMove> nodeMoves(const btSoftBody& body, std::span<const SurfaceContact> contacts,
-                                const MoveSettings& settings) {
+                                std::span<const double> missing, bool thread) {
     std::vector<NodeMove> moves;
     const auto corners = [](const SurfaceContact& contact) {
         return contact.features == Features::cornerFace ? 1U : 3U;
@@ -46,15 +44,14 @@ std::vector<NodeMove> nodeMoves(const btSoftBody& body, std::span<const SurfaceC
     const auto repeated = std::ranges::unique(moves, {}, &NodeMove::node);
     moves.erase(repeated.begin(), repeated.end());
     std::vector<Point> points;
-    for (const SurfaceContact& contact : contacts) {
-        if (settings.thread && contact.features == Features::faceCorner) {
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+        const SurfaceContact& contact = contacts[c];
+        if (!(missing[c] > 0) || (thread && contact.features == Features::faceCorner)) {
             continue;
         }
         Point point;
         point.normal = contact.normal.cast<double>();
-        const auto before = static_cast<double>(contact.before);
-        point.missing = (before < settings.distance ? before + wayBack(before, settings) : settings.distance) -
-                        static_cast<double>(contact.after);
+        point.missing = missing[c];
         double response = 0;
         for (std::size_t i = 0; i < corners(contact); ++i) {
             const btSoftBody::Node& node = body.m_nodes[static_cast<int>(contact.a[i])];
@@ -64,18 +61,18 @@ std::vector<NodeMove> nodeMoves(const btSoftBody& body, std::span<const SurfaceC
             point.inverse[i] = node.m_battach ? 0 : static_cast<double>(node.m_im);
             response += point.weights[i] * point.weights[i] * point.inverse[i];
         }
-        if (response > 0 && point.missing > 0) {
+        if (response > 0) {
             point.scale = 1 / response;
             points.push_back(point);
         }
     }
     for (int pass = 0; pass < passes; ++pass) {
         for (Point& point : points) {
-            double missing = point.missing;
+            double left = point.missing;
             for (std::size_t i = 0; i < 3; ++i) {
-                missing -= point.weights[i] * moves[point.slots[i]].move.dot(point.normal);
+                left -= point.weights[i] * moves[point.slots[i]].move.dot(point.normal);
             }
-            const double impulse = std::max(0.0, point.impulse + missing * point.scale);
+            const double impulse = std::max(0.0, point.impulse + left * point.scale);
             for (std::size_t i = 0; i < 3; ++i) {
                 moves[point.slots[i]].move +=
                     (impulse - point.impulse) * point.weights[i] * point.inverse[i] * point.normal;

@@ -21,16 +21,15 @@ struct NodeMove {
     Eigen::Vector3d move = Eigen::Vector3d::Zero();  ///< from the predicted place, m, in the frame of the contacts
 };
 
-/// How far contacts bring nodes.
-struct MoveSettings {
-    double distance = 0;  ///< margins of both, m: what starts outside of it comes to it and no further
-    double hardness = 1;  ///< 0..1, of what starts inside: share of the way back to the margin in one step
-    bool thread = false;
-};
-
-/// Ascending by node; nodes that cannot or need not move are left out. By projected Gauss-Seidel: O(contacts).
+/// The moves that bring every contact as far apart as it is to be. @param missing per contact, m; at most 0: nothing.
+/// Contacts that no node of the body can do anything about are left out (ropes: those of what stands for their faces).
+/// Ascending by node. By projected Gauss-Seidel: O(contacts).
 [[nodiscard]] std::vector<NodeMove> nodeMoves(const btSoftBody& body, std::span<const SurfaceContact> contacts,
-                                              const MoveSettings& settings);
+                                              std::span<const double> missing, bool thread);
+
+/// How far a contact that starts inside of the margin is to come back in one step, m. The outer half of the margin is a
+/// cushion as soft as the body's hardness (0..1) wants it, what is deeper comes back faster.
+[[nodiscard]] double wayBack(double before, double distance, double hardness);
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

@@ -3,6 +3,8 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include <grapeshot/core/error.hpp>
@@ -134,10 +136,12 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
     forgetIfMoved();
     const Eigen::Vector3f* rest = m_rigid->tree.surface.rest.data();
     const std::span<const Eigen::Vector3f> still(rest, m_rigid->tree.surface.rest.size());
-    const SurfaceInStep a{m_last,          m_before, m_after,       m_soft->triangles(),
-                          &m_soft->owners, false,    m_soft->solid, m_soft->thread};
-    const SurfaceInStep b{still, still,          still, m_rigid->tree.surface.triangles, &m_rigid->owners,
-                          true,  m_rigid->solid, false};
+    SurfaceInStep a{m_last, m_before, m_after, m_soft->triangles(), &m_soft->owners, &m_soft->tree.surface};
+    a.solid = m_soft->solid;
+    a.thread = m_soft->thread;
+    SurfaceInStep b{still, still, still, m_rigid->tree.surface.triangles, &m_rigid->owners, &m_rigid->tree.surface};
+    b.rigid = true;
+    b.solid = m_rigid->solid;
     NearSettings settings;
     settings.distance = static_cast<float>(soft.getCollisionShape()->getMargin() + marginOf(*m_shape));
     settings.spacing = 0.5F * m_soft->meanEdge;
@@ -156,6 +160,16 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
     for (const SurfaceContact& contact : m_contacts) {
         result.crossings += contact.crossing ? 1 : 0;
         result.deepest = std::max(result.deepest, settings.distance - contact.before);
+    }
+    if (getenv("DBG")) {
+        double dp = 1e9;
+        int nn = 0;
+        for (auto& c : m_contacts) {
+            dp = std::min(dp, double(c.before));
+            nn += c.crossing;
+        }
+        std::printf("    pairs %zu moments %d contacts %zu crossing %d misplaced %zu least before %.3f way %.3f\n",
+                    m_pairs.size(), result.near.moments, m_contacts.size(), nn, m_sides.misplaced(), dp, m_usualWay);
     }
     m_last.swap(m_before);
     return result;
@@ -180,12 +194,50 @@ int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid
         }
         return written;
     }
-    const double hardness = object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR;
-    const MoveSettings settings{distance, hardness, m_soft->thread};
-    for (const NodeMove& move : nodeMoves(soft, m_contacts, settings)) {
+    bringBack(soft, object, frame, distance);
+    std::vector<double> missing;
+    for (const SurfaceContact& contact : m_contacts) {
+        missing.push_back(static_cast<double>(std::min(distance, contact.before) - contact.after));
+    }
+    for (const NodeMove& move : nodeMoves(soft, m_contacts, missing, m_soft->thread)) {
         written += writeRigidContact(site, move) ? 1 : 0;
     }
     return written;
+}
+
+/// What is inside of the margin comes back by its place alone: a correction by its velocity would throw it out.
+void SoftRigidPair::bringBack(btSoftBody& soft, const btCollisionObject& object, const btTransform& frame,
+                              float distance) {
+    const auto hardness = static_cast<double>(object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR);
+    std::vector<double> missing;
+    for (const SurfaceContact& contact : m_contacts) {
+        missing.push_back(contact.before < distance
+                              ? wayBack(static_cast<double>(contact.before), static_cast<double>(distance), hardness)
+                              : 0.0);
+    }
+    const std::vector<NodeMove> moves = nodeMoves(soft, m_contacts, missing, m_soft->thread);
+    if (moves.empty() || !object.hasContactResponse()) {
+        return;
+    }
+    for (const NodeMove& move : moves) {
+        btSoftBody::Node& node = soft.m_nodes[static_cast<int>(move.node)];
+        const Eigen::Vector3f local = move.move.cast<float>();
+        const btVector3 way = frame.getBasis() * toBullet(local);
+        node.m_x += way;
+        node.m_q += way;
+        m_before[move.node] += local;
+        m_after[move.node] += local;
+    }
+    for (SurfaceContact& contact : m_contacts) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto at = std::ranges::lower_bound(moves, contact.a[i], {}, &NodeMove::node);
+            if (at != moves.end() && at->node == contact.a[i]) {
+                const float way = contact.weightsA[static_cast<int>(i)] * at->move.cast<float>().dot(contact.normal);
+                contact.before += way;
+                contact.after += way;
+            }
+        }
+    }
 }
 
 }  // namespace detail

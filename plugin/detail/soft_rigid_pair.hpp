@@ -53,6 +53,8 @@ class SoftRigidPair {
     int write(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btTransform& frame,
               const btVector3& origin, float distance, SoftWorld world);
 
+    void bringBack(btSoftBody& soft, const btCollisionObject& object, const btTransform& frame, float distance);
+
     Context& m_context;
     const btSoftBody* m_body = nullptr;
     const btCollisionShape* m_shape = nullptr;

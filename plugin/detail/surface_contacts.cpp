@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <tuple>
 
@@ -89,48 +90,48 @@ class SurfaceContacts::Pass {
 
     /// What has got through since the last step?
     void lookBack(std::span<const TrianglePair> pairs) {
-        std::array<std::map<std::uint32_t, Anchor>, 2> passed;
+        for (int body = 0; body < (m_near != nullptr ? 1 : 2); ++body) {
+            for (auto known = anchors(body).begin(); known != anchors(body).end();) {
+                known = slide(body, known->first, known->second) ? std::next(known) : anchors(body).erase(known);
+            }
+        }
+        std::erase_if(m_memory.m_edges, [&](const auto& known) { return gapOf(known.first, known.second.along) >= 0; });
+        // Nodes first: where they are on the wrong side, faces and edges between them are, too, and nothing is learnt
+        // from what those pass.
+        const bool first = !m_bodies[1]->rigid;
+        rememberCorners(pairs, [&](int body) { return body == 0 || first; });
+        forgetBetweenMisplaced();
+        if (!first) {
+            rememberCorners(pairs, [&](int body) { return body == 1; });
+        }
         for (const TrianglePair& pair : pairs) {
-            forEachCorner(pair, [&](int body, std::uint32_t corner, std::uint32_t, std::uint32_t face) {
-                const auto known = anchors(body).find(corner);
-                const SurfaceInStep& own = *m_bodies[body];
-                const SurfaceInStep& other = *m_bodies[1 - body];
-                const bool anchored = known != anchors(body).end();
-                const Moving point = {anchored ? standIn(body, known->second) : at(own.last, corner),
-                                      at(own.before, corner)};
-                const auto triangle = moving(other, face, anchored ? other.before : other.last, other.before);
-                const auto crossing = meet(point, triangle) ? crossingOf(point, triangle) : std::nullopt;
-                if (crossing) {
-                    Anchor& anchor = passed[m_near != nullptr ? 0 : body][corner];
-                    if (crossing->time < anchor.time) {
-                        // It slides along below the face, so that it comes back where it is.
-                        anchor = {pair, face, nearestOn(point.to, {triangle[0].to, triangle[1].to, triangle[2].to}),
-                                  crossing->normal.dot(normalOf(other, face, other.before)) > 0, crossing->time};
-                    }
-                }
-            });
             forEachEdgePair(pair, [&](const EdgePair& ends) {
-                if (m_memory.m_edges.contains(ends)) {
+                if (m_memory.m_edges.contains(ends) || isMisplaced(ends)) {
                     return;
                 }
-                const auto [first, second] = movingEdges(ends, &SurfaceInStep::last, &SurfaceInStep::before);
-                const auto crossing = meet(first, second) ? crossingOf(first, second) : std::nullopt;
+                const auto [one, other] = movingEdges(ends, &SurfaceInStep::last, &SurfaceInStep::before);
+                const auto crossing = meet(one, other) ? crossingOf(one, other) : std::nullopt;
                 if (crossing) {
                     m_memory.m_edges[ends] = {crossing->normal.dot(crossOf(ends, &SurfaceInStep::before)) > 0, pair};
                 }
             });
         }
-        m_memory.m_anchors = std::move(passed);
-        std::erase_if(m_memory.m_edges, [&](const auto& known) { return gapOf(known.first, known.second.along) >= 0; });
     }
 
     void lookAhead(std::span<const TrianglePair> pairs, std::vector<SurfaceContact>& contacts) {
         for (const TrianglePair& pair : pairs) {
             forEachCorner(pair, [&](int body, std::uint32_t corner, std::uint32_t own, std::uint32_t face) {
-                testCorner(body, corner, own, face);
+                if (!anchors(body).contains(corner) && !(m_bodies[body]->rigid && isMisplaced(face))) {
+                    testCorner(body, corner, own, face);
+                }
             });
-            forEachEdgePair(pair, [&](const EdgePair& ends) { testEdges(pair, ends); });
+            forEachEdgePair(pair, [&](const EdgePair& ends) {
+                if (!m_memory.m_edges.contains(ends) && !isMisplaced(ends)) {
+                    testEdges(pair, ends);
+                }
+            });
         }
+        bringBack();
         chooseCorners(contacts);
         chooseEdges(contacts);
     }
@@ -155,25 +156,114 @@ class SurfaceContacts::Pass {
 
     using Part = Positions SurfaceInStep::*;
 
-    [[nodiscard]] std::map<std::uint32_t, Anchor>& anchors(int body) const {
-        return m_memory.m_anchors[m_near != nullptr ? 0 : body];
-    }
-    [[nodiscard]] std::optional<Vector3d> anchorOf(int body, std::uint32_t corner) const {
-        const auto known = anchors(body).find(corner);
-        return known != anchors(body).end() ? std::optional(standIn(body, known->second)) : std::nullopt;
-    }
-    /// Where a corner that has passed is taken to be: just on its own side of the face.
-    [[nodiscard]] Vector3d standIn(int body, const Anchor& anchor) const {
-        const SurfaceInStep& other = *m_bodies[1 - body];
-        const Triangle& t = other.triangles[anchor.face];
-        Vector3d point = Vector3d::Zero();
-        double longest = 0;
-        for (int i = 0; i < 3; ++i) {
-            point += anchor.weights[i] * at(other.before, t[i]);
-            longest = std::max(longest, (at(other.before, t[i]) - at(other.before, t[(i + 1) % 3])).norm());
+    template <class Wanted>
+    void rememberCorners(std::span<const TrianglePair> pairs, const Wanted& wanted) {
+        std::array<std::map<std::uint32_t, Anchor>, 2> passed;
+        for (const TrianglePair& pair : pairs) {
+            forEachCorner(pair, [&](int body, std::uint32_t corner, std::uint32_t own, std::uint32_t face) {
+                const SurfaceInStep& mine = *m_bodies[body];
+                const SurfaceInStep& other = *m_bodies[1 - body];
+                if (!wanted(body) || anchors(body).contains(corner) || (mine.rigid && isMisplaced(face))) {
+                    return;
+                }
+                const Moving point = {at(mine.last, corner), at(mine.before, corner)};
+                const auto triangle = moving(other, face, other.last, other.before);
+                const auto crossing = meet(point, triangle) ? crossingOf(point, triangle) : std::nullopt;
+                if (crossing) {
+                    Anchor& anchor = passed[static_cast<std::size_t>(memoryOf(body))][corner];
+                    if (crossing->time < anchor.time) {
+                        anchor = {own, face, crossing->weights,
+                                  crossing->normal.dot(normalOf(other, face, other.before)) > 0, crossing->time};
+                    }
+                }
+            });
         }
-        const Vector3d n = normalOf(other, anchor.face, other.before);
-        return point + (anchor.front ? 1e-4 : -1e-4) * std::max(m_distance, 0.01 * longest) * n;
+        for (int body = 0; body < 2; ++body) {
+            for (auto& [corner, anchor] : passed[static_cast<std::size_t>(body)]) {
+                if (slide(body, corner, anchor)) {
+                    anchors(body).emplace(corner, anchor);
+                }
+            }
+        }
+    }
+    /// Is a node of the first body's face?
+    [[nodiscard]] bool isMisplaced(std::uint32_t face) const {
+        return std::ranges::any_of(m_bodies[0]->triangles[face],
+                                   [&](std::uint32_t v) { return m_memory.m_anchors[0].contains(v); });
+    }
+    [[nodiscard]] bool isMisplaced(const EdgePair& ends) const {
+        const auto& first = m_memory.m_anchors[0];
+        const auto& second = m_memory.m_anchors[m_near != nullptr ? 0 : 1];
+        return first.contains(ends[0]) || first.contains(ends[1]) ||
+               (!m_bodies[1]->rigid && (second.contains(ends[2]) || second.contains(ends[3])));
+    }
+    void forgetBetweenMisplaced() {
+        std::erase_if(m_memory.m_edges, [&](const auto& known) { return isMisplaced(known.first); });
+        if (m_bodies[1]->rigid) {
+            std::erase_if(m_memory.m_anchors[1], [&](const auto& known) { return isMisplaced(known.second.face); });
+        }
+    }
+
+    [[nodiscard]] int memoryOf(int body) const { return m_near != nullptr ? 0 : body; }
+    [[nodiscard]] std::map<std::uint32_t, Anchor>& anchors(int body) const {
+        return m_memory.m_anchors[static_cast<std::size_t>(memoryOf(body))];
+    }
+
+    struct Foot {
+        Vector3d weights = Vector3d::Zero(), between = Vector3d::Zero();
+    };
+    static Foot footOf(const Vector3d& point, const SurfaceInStep& body, std::uint32_t face) {
+        const Triangle& t = body.triangles[face];
+        const std::array<Vector3d, 3> corners{at(body.before, t[0]), at(body.before, t[1]), at(body.before, t[2])};
+        const Vector3d w = nearestOn(point, corners);
+        return {w, point - w[0] * corners[0] - w[1] * corners[1] - w[2] * corners[2]};
+    }
+
+    /// A corner on the wrong side of a surface slides along below it, so that it comes back where it is and not where
+    /// it passed. False if it is back, or beyond the rim.
+    [[nodiscard]] bool slide(int body, std::uint32_t corner, Anchor& anchor) const {
+        constexpr int longestWay = 64;
+        const SurfaceInStep& other = *m_bodies[1 - body];
+        const Vector3d point = at(m_bodies[body]->before, corner);
+        Foot foot = footOf(point, other, anchor.face);
+        for (int i = 0; i < longestWay; ++i) {
+            const std::uint32_t from = anchor.face;
+            const Vector3d normal = normalOf(other, from, other.before);
+            for (const std::uint32_t v : other.triangles[from]) {
+                for (const std::uint32_t next : other.surface->fan.of(v)) {
+                    const Foot there = footOf(point, other, next);
+                    if (there.between.squaredNorm() < foot.between.squaredNorm() * (1 - 1e-9) &&
+                        normalOf(other, next, other.before).dot(normal) > 0.3) {
+                        anchor.face = next;
+                        foot = there;
+                    }
+                }
+            }
+            if (anchor.face == from) {
+                break;
+            }
+        }
+        anchor.weights = foot.weights;
+        const double height = (anchor.front ? 1 : -1) * foot.between.dot(normalOf(other, anchor.face, other.before));
+        return height < -0.3 * foot.between.norm();
+    }
+
+    /// Contacts of what is on the wrong side, however far.
+    void bringBack() {
+        for (int memory = 0; memory < 2; ++memory) {
+            for (const auto& [corner, anchor] : m_memory.m_anchors[static_cast<std::size_t>(memory)]) {
+                const SurfaceInStep& other = *m_bodies[1 - memory];
+                const Vector3d normal = (anchor.front ? 1 : -1) * normalOf(other, anchor.face, other.after);
+                m_corners.push_back({memory, corner, anchor.face, anchor.own, true, -1, anchor.weights, normal, 1});
+            }
+        }
+        for (const auto& [ends, passed] : m_memory.m_edges) {
+            const auto [first, second] = movingEdges(ends, &SurfaceInStep::after, &SurfaceInStep::after);
+            if (const auto inside = nearestInside({first[0].to, first[1].to}, {second[0].to, second[1].to})) {
+                const Vector3d normal = (passed.along ? 1 : -1) * crossOf(ends, &SurfaceInStep::after).normalized();
+                m_edges.push_back({ends, passed.pair, true, -1, inside->x(), inside->y(), normal});
+            }
+        }
     }
 
     static std::array<Moving, 3> moving(const SurfaceInStep& body, std::uint32_t face, Positions from, Positions to) {
@@ -273,8 +363,7 @@ class SurfaceContacts::Pass {
     void testCorner(int body, std::uint32_t corner, std::uint32_t own, std::uint32_t face) {
         const SurfaceInStep& mine = *m_bodies[body];
         const SurfaceInStep& other = *m_bodies[1 - body];
-        const std::optional<Vector3d> anchor = anchorOf(body, corner);
-        const Moving point = {anchor ? *anchor : at(mine.before, corner), at(mine.after, corner)};
+        const Moving point = {at(mine.before, corner), at(mine.after, corner)};
         const auto triangle = moving(other, face, other.before, other.after);
         if (!meet(point, triangle, m_distance)) {
             return;
@@ -297,16 +386,6 @@ class SurfaceContacts::Pass {
 
     void testEdges(const TrianglePair& pair, const EdgePair& ends) {
         const auto [first, second] = movingEdges(ends, &SurfaceInStep::before, &SurfaceInStep::after);
-        const auto known = m_memory.m_edges.find(ends);
-        if (known != m_memory.m_edges.end()) {
-            const auto inside = nearestInside({first[0].to, first[1].to}, {second[0].to, second[1].to});
-            if (inside) {
-                const Vector3d normal =
-                    (known->second.along ? 1 : -1) * crossOf(ends, &SurfaceInStep::after).normalized();
-                m_edges.push_back({ends, pair, true, 0, inside->x(), inside->y(), normal});
-            }
-            return;
-        }
         if (!meet(first, second, m_distance)) {
             return;
         }
@@ -479,10 +558,6 @@ void SurfaceContacts::find(const SurfaceInStep& a, const SurfaceInStep& b, std::
     Pass pass(*this, a, b, distance, near);
     std::vector<TrianglePair> left;
     pass.sift(pairs, left);
-    appendRemembered(left);
-    std::ranges::sort(left);
-    const auto repeated = std::ranges::unique(left);
-    left.erase(repeated.begin(), repeated.end());
     pass.lookBack(left);
     pass.lookAhead(left, contacts);
 }
@@ -491,17 +566,6 @@ void SurfaceContacts::clear() {
     m_anchors[0].clear();
     m_anchors[1].clear();
     m_edges.clear();
-}
-
-void SurfaceContacts::appendRemembered(std::vector<TrianglePair>& pairs) const {
-    for (const auto& corners : m_anchors) {
-        for (const auto& [corner, anchor] : corners) {
-            pairs.push_back(anchor.pair);
-        }
-    }
-    for (const auto& [ends, passed] : m_edges) {
-        pairs.push_back(passed.pair);
-    }
 }
 
 std::size_t SurfaceContacts::misplaced() const {

@@ -34,6 +34,7 @@ struct SurfaceInStep {
     std::span<const Eigen::Vector3f> after;   ///< where it would go without contacts
     std::span<const Triangle> triangles;
     const FeatureOwners* owners = nullptr;
+    const Surface* surface = nullptr;  ///< neighbours
     bool rigid = false;
     bool solid = false;   ///< closed, normals outward: what is inside belongs outside
     bool thread = false;  ///< a rope: the first edge of each triangle counts, and no face
@@ -65,13 +66,10 @@ class SurfaceContacts {
     [[nodiscard]] std::size_t misplaced() const;
 
   private:
-    /// Pairs of triangles that are remembered, however far apart they are by now.
-    void appendRemembered(std::vector<TrianglePair>& pairs) const;
-
     class Pass;
     /// Where a corner has passed through a face.
     struct Anchor {
-        TrianglePair pair;  ///< the corner's and the face, or the other way round
+        std::uint32_t own = 0;  ///< a triangle at the corner
         std::uint32_t face = 0;
         Eigen::Vector3d weights = Eigen::Vector3d::Zero();
         bool front = true;  ///< it belongs on the side that the face's normal points to
