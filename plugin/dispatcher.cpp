@@ -83,6 +83,9 @@ DispatchPhases::DispatchPhases(btCollisionDispatcher& dispatcher, btOverlappingP
                 computeFrame(pairs, std::exchange(m_context->building, {}), m_context->frame, m_context->settings);
             }
         }
+        if (m_context->frame.isInMain()) {
+            m_context->softLoop.run(*m_context);
+        }
         m_context->reportFrame();
     } catch (...) {
         // Out of memory: Bullet's pass computes what was not.

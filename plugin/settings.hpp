@@ -78,10 +78,11 @@ struct Settings {
     /// which tests each triangle alone: bodies bump into the inner edges of flat ground, and Bullet 3.24 drops contacts
     /// of what lies below a triangle's plane.
     bool bvhConvexPairs = false;
-    /// Soft bodies (cloth, ropes, tetrahedra) against meshes, where the dispatcher's configuration knows soft bodies.
-    /// Only bodies with the collision flag SDF_RS or SDF_RD; clusters stay with Bullet. Contacts are of corners with
-    /// faces and of edges with edges, with true normals, on the side that each came from, and ahead of time. Off:
-    /// Bullet's own, for which every triangle is a slab of 12 cm.
+    /// Soft bodies (cloth, ropes, tetrahedra) against meshes and against each other, where the dispatcher's
+    /// configuration knows soft bodies. Meshes: bodies with the collision flag SDF_RS or SDF_RD. Each other: both with
+    /// VF_SS, and without SDF_RD. Clusters, and what else they are flagged for, stay with Bullet. Contacts are of
+    /// corners with faces and of edges with edges, with true normals, on the side that each came from, and ahead of
+    /// time. Off: Bullet's own, for which every triangle is a slab of 12 cm.
     bool softPairs = true;
 
     /// Nothing is left out: no budgets, nothing sampled, most manifolds, a search in every step.

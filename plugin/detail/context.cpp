@@ -101,6 +101,7 @@ void Context::takeSoft(btCollisionDispatcher& dispatcher) {
     if (known == nullptr || known == emptyCreatorIn(dispatcher, Table::contacts)) {
         return;
     }
+    take(dispatcher, Table::contacts, type, type, soft.get());
     for (const int mesh : meshTypes) {
         take(dispatcher, Table::contacts, type, mesh, soft.get());
         take(dispatcher, Table::contacts, mesh, type, soft.get());

@@ -10,6 +10,7 @@
 #include <grapeshot/plugin/collision_algorithm.hpp>
 #include <grapeshot/plugin/detail/dispatch_tables.hpp>
 #include <grapeshot/plugin/detail/frame.hpp>
+#include <grapeshot/plugin/detail/soft_loop.hpp>
 #include <grapeshot/plugin/detail/soft_surface.hpp>
 #include <grapeshot/plugin/settings.hpp>
 #include <grapeshot/plugin/statistics.hpp>
@@ -80,6 +81,7 @@ struct Context : std::enable_shared_from_this<Context> {
     std::unique_ptr<btCollisionAlgorithmCreateFunc> gimpact;
     std::unique_ptr<btCollisionAlgorithmCreateFunc> soft;
     SoftEntries softEntries;
+    SoftLoop softLoop;
     bool lostCells = false;  ///< somebody took one of our places, and may have kept our creator as the one before him
     std::uint64_t settingsVersion = 0;  ///< rises when settings are set
     std::uint64_t serial = 0;           ///< different for each context of the process

@@ -28,6 +28,7 @@ class Frame {
     /// A dispatch begins. True if a frame begins with it.
     bool enterDispatch(const void* cache, const Budget& budget);
 
+    [[nodiscard]] bool isInMain() const { return m_inMain; }  ///< the last dispatch was of the main cache
     [[nodiscard]] std::uint64_t number() const { return m_number; }
     /// Work units that the dispatch may deal out ahead of Bullet's pass: its share, less what pairs within compounds
     /// and later dispatches are likely to need, going by the last frame.

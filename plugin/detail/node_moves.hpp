@@ -1,4 +1,4 @@
-// Where the nodes of a soft body have to go so that all contacts with one rigid body are kept: one motion per node.
+// Where the nodes of soft bodies have to go so that all contacts of a pair are kept: one motion per node.
 //
 // Bullet's contact of a node is solved both ways: of two at one node each undoes the other. So the contacts of a pair
 // are brought together here, one-sided, and each node gets one.
@@ -6,6 +6,7 @@
 
 #include <BulletSoftBody/btSoftBody.h>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,14 +19,25 @@ namespace detail {
 
 struct NodeMove {
     std::uint32_t node = 0;
-    Eigen::Vector3d move = Eigen::Vector3d::Zero();  ///< from the predicted place, m, in the frame of the contacts
+    Eigen::Vector3d move = Eigen::Vector3d::Zero();  ///< m, in the frame of the contacts
 };
 
+/// Whose nodes may move.
+struct MovableBodies {
+    const btSoftBody* a = nullptr;
+    const btSoftBody* b = nullptr;  ///< null: it is rigid; the same as a: a body with itself
+    bool threadA = false, threadB = false;
+};
+
+/// Of a and of b, each ascending by node; of a body with itself all in the first.
+using NodeMoves = std::array<std::vector<NodeMove>, 2>;
+
 /// The moves that bring every contact as far apart as it is to be. @param missing per contact, m; at most 0: nothing.
-/// Contacts that no node of the body can do anything about are left out (ropes: those of what stands for their faces).
-/// Ascending by node. By projected Gauss-Seidel: O(contacts).
-[[nodiscard]] std::vector<NodeMove> nodeMoves(const btSoftBody& body, std::span<const SurfaceContact> contacts,
-                                              std::span<const double> missing, bool thread);
+/// Nodes with infinite mass or an anchor stay. By projected Gauss-Seidel: O(contacts).
+[[nodiscard]] NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SurfaceContact> contacts,
+                                  std::span<const double> missing);
+/// Null if it does not move.
+[[nodiscard]] const NodeMove* moveOf(std::span<const NodeMove> moves, std::uint32_t node);
 
 /// How far a contact that starts inside of the margin is to come back in one step, m. The outer half of the margin is a
 /// cushion as soft as the body's hardness (0..1) wants it, what is deeper comes back faster.

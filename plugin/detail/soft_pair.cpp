@@ -31,49 +31,9 @@ bool isDisabled(const btSoftBody& soft, const btCollisionObject& other) {
 
 }  // namespace
 
-SoftPair::~SoftPair() {
-    dropDelegate();
-}
-
-void SoftPair::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-                       const btDispatcherInfo& info, btManifoldResult& result) {
-    m_step = m_context->enterStep(m_step);
-    btSoftBody* soft0 = softOf(body0);
-    btSoftBody* soft1 = softOf(body1);
-    btSoftBody* soft = soft0 != nullptr ? soft0 : soft1;
-    const btCollisionObjectWrapper& other = soft0 != nullptr ? body1 : body0;
-    const bool ours = soft != nullptr && (soft0 == nullptr) != (soft1 == nullptr) &&
-                      isMesh(*other.getCollisionShape()) && rigidWorldOf(*soft) != SoftWorld::neither &&
-                      m_context->settings.softPairs;
-    if (!ours) {
-        m_rigid.reset();
-        delegate(body0, body1, info, result);
-        return;
-    }
-    dropDelegate();
-    processMesh(*soft, other, info);
-}
-
-void SoftPair::processMesh(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btDispatcherInfo& info) {
-    const btCollisionObject& object = *rigid.getCollisionObject();
-    if (isDisabled(soft, object)) {
-        m_rigid.reset();
-        return;
-    }
-    if (m_rigid == nullptr) {
-        m_rigid = std::make_unique<SoftRigidPair>(*m_context);
-    }
-    const Budget budget = openBudget();
-    const std::uint64_t look = m_context->framed ? m_context->dispatches : m_step;
-    const std::uint64_t key =
-        pairKey(static_cast<std::uint32_t>(proxyOf(soft)), static_cast<std::uint32_t>(proxyOf(object)));
-    report(soft, object, m_rigid->process(soft, rigid, info.m_timeStep, look, key, budget), budget);
-}
-
-/// Soft pairs take what they need from the frame when their turn comes.
-Budget SoftPair::openBudget() const {
-    Budget budget = m_context->settings.pairBudget;
-    if (const Frame* frame = m_context->openFrame()) {
+Budget softBudget(Context& context) {
+    Budget budget = context.settings.pairBudget;
+    if (const Frame* frame = context.openFrame()) {
         const Budget slice = frame->latecomerSlice(softSlice);
         budget.work = std::min(budget.work, slice.work);
         if (slice.time != never) {
@@ -84,8 +44,8 @@ Budget SoftPair::openBudget() const {
     return budget;
 }
 
-void SoftPair::report(const btCollisionObject& first, const btCollisionObject& second, const SoftPairResult& result,
-                      const Budget& budget) {
+void reportSoftPair(Context& context, const btCollisionObject& first, const btCollisionObject& second,
+                    const SoftPairResult& result, const Budget& budget) {
     PairStatistics pair;
     pair.proxyA = proxyOf(first);
     pair.proxyB = proxyOf(second);
@@ -100,10 +60,98 @@ void SoftPair::report(const btCollisionObject& first, const btCollisionObject& s
     pair.stop = result.near.stop;
     pair.traversed = true;
     pair.missBound = result.near.certain ? 0 : result.near.miss.missedBound;
-    if (Frame* frame = m_context->openFrame()) {
+    if (Frame* frame = context.openFrame()) {
         frame->payLatecomer(pair.work, std::min(pair.work, softSlice));
     }
-    result.refusal.empty() ? m_context->record(pair) : m_context->refuse(pair, result.refusal);
+    result.refusal.empty() ? context.record(pair) : context.refuse(pair, result.refusal);
+}
+
+SoftPair::SoftPair(btDispatcher& dispatcher, std::shared_ptr<Context> context)
+    : m_dispatcher(dispatcher), m_context(std::move(context)) {
+    m_context->softLoop.enter(*this);
+}
+
+SoftPair::~SoftPair() {
+    m_context->softLoop.leave(*this);
+    dropDelegate();
+}
+
+namespace {
+
+/// Both want corners against faces, and are of one world that can be told it.
+bool isOurs(const btSoftBody& first, const btSoftBody& second) {
+    const int common = first.m_cfg.collisions & second.m_cfg.collisions;
+    return (common & btSoftBody::fCollision::SVSmask) == btSoftBody::fCollision::VF_SS &&
+           rigidWorldOf(first) != SoftWorld::velocities && rigidWorldOf(second) != SoftWorld::velocities;
+}
+
+}  // namespace
+
+void SoftPair::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+                       const btDispatcherInfo& info, btManifoldResult& result) {
+    m_step = m_context->enterStep(m_step);
+    btSoftBody* soft0 = softOf(body0);
+    btSoftBody* soft1 = softOf(body1);
+    const bool wanted = m_context->settings.softPairs;
+    if (wanted && soft0 != nullptr && soft1 != nullptr && isOurs(*soft0, *soft1)) {
+        m_rigid.reset();
+        dropDelegate();
+        processSoft(*soft0, *soft1);
+        return;
+    }
+    m_soft.reset();
+    btSoftBody* soft = soft0 != nullptr ? soft0 : soft1;
+    const btCollisionObjectWrapper& other = soft0 != nullptr ? body1 : body0;
+    if (wanted && (soft0 == nullptr) != (soft1 == nullptr) && isMesh(*other.getCollisionShape()) &&
+        rigidWorldOf(*soft) != SoftWorld::neither) {
+        dropDelegate();
+        processMesh(*soft, other, info);
+        return;
+    }
+    m_rigid.reset();
+    delegate(body0, body1, info, result);
+}
+
+void SoftPair::processSoft(btSoftBody& first, btSoftBody& second) {
+    if (isDisabled(first, second) || isDisabled(second, first)) {
+        m_soft.reset();
+        return;
+    }
+    if (m_soft == nullptr) {
+        m_soft = std::make_unique<SoftSoftPair>(*m_context);
+    }
+    SoftSoftTask task;
+    task.budget = softBudget(*m_context);
+    task.look = m_context->framed ? m_context->dispatches : m_step;
+    task.key = pairKey(static_cast<std::uint32_t>(proxyOf(first)), static_cast<std::uint32_t>(proxyOf(second)));
+    task.distance =
+        static_cast<float>(first.getCollisionShape()->getMargin() + second.getCollisionShape()->getMargin());
+    reportSoftPair(*m_context, first, second, m_soft->process(first, second, task), task.budget);
+}
+
+void SoftPair::processMesh(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btDispatcherInfo& info) {
+    const btCollisionObject& object = *rigid.getCollisionObject();
+    if (isDisabled(soft, object)) {
+        m_rigid.reset();
+        return;
+    }
+    if (m_rigid == nullptr) {
+        m_rigid = std::make_unique<SoftRigidPair>(*m_context);
+    }
+    const Budget budget = softBudget(*m_context);
+    const std::uint64_t look = m_context->framed ? m_context->dispatches : m_step;
+    const std::uint64_t key =
+        pairKey(static_cast<std::uint32_t>(proxyOf(soft)), static_cast<std::uint32_t>(proxyOf(object)));
+    reportSoftPair(*m_context, soft, object, m_rigid->process(soft, rigid, info.m_timeStep, look, key, budget), budget);
+}
+
+void SoftPair::appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const {
+    if (m_soft != nullptr) {
+        m_soft->appendContacts(body, contacts);
+    }
+    if (m_rigid != nullptr) {
+        m_rigid->appendContacts(body, contacts);
+    }
 }
 
 void SoftPair::delegate(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include <grapeshot/plugin/detail/soft_rigid_pair.hpp>
+#include <grapeshot/plugin/detail/soft_soft_pair.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -14,10 +15,14 @@ namespace detail {
 /// Work units that a pair with a soft body may have in a step whatever the frame's budget.
 inline constexpr std::uint64_t softSlice = 256;
 
+/// What the next soft pair may have: they take it from the frame when their turn comes.
+[[nodiscard]] Budget softBudget(Context& context);
+void reportSoftPair(Context& context, const btCollisionObject& first, const btCollisionObject& second,
+                    const SoftPairResult& result, const Budget& budget);
+
 class SoftPair {
   public:
-    SoftPair(btDispatcher& dispatcher, std::shared_ptr<Context> context)
-        : m_dispatcher(dispatcher), m_context(std::move(context)) {}
+    SoftPair(btDispatcher& dispatcher, std::shared_ptr<Context> context);
     ~SoftPair();
     SoftPair(const SoftPair&) = delete;
     SoftPair& operator=(const SoftPair&) = delete;
@@ -25,20 +30,21 @@ class SoftPair {
     void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                  const btDispatcherInfo& info, btManifoldResult& result);
     void collectManifolds(btManifoldArray& manifolds) const;
+    /// Those of the last step that the body has a part in.
+    void appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const;
 
   private:
     void delegate(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
                   const btDispatcherInfo& info, btManifoldResult& result);
     void dropDelegate();
     void processMesh(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btDispatcherInfo& info);
-    Budget openBudget() const;
-    void report(const btCollisionObject& first, const btCollisionObject& second, const SoftPairResult& result,
-                const Budget& budget);
+    void processSoft(btSoftBody& first, btSoftBody& second);
 
     btDispatcher& m_dispatcher;
     std::shared_ptr<Context> m_context;
     std::uint64_t m_step = 0;
     std::unique_ptr<SoftRigidPair> m_rigid;
+    std::unique_ptr<SoftSoftPair> m_soft;
     btCollisionAlgorithm* m_delegate = nullptr;
 };
 

@@ -3,11 +3,10 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/plugin/detail/bring_back.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/deformable_contact_writer.hpp>
 #include <grapeshot/plugin/detail/rigid_contact_writer.hpp>
@@ -134,6 +133,8 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
         return result;
     }
     forgetIfMoved();
+    m_object = &object;
+    m_frame = frame.getBasis();
     const Eigen::Vector3f* rest = m_rigid->tree.surface.rest.data();
     const std::span<const Eigen::Vector3f> still(rest, m_rigid->tree.surface.rest.size());
     SurfaceInStep a{m_last, m_before, m_after, m_soft->triangles(), &m_soft->owners, &m_soft->tree.surface};
@@ -161,16 +162,6 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
         result.crossings += contact.crossing ? 1 : 0;
         result.deepest = std::max(result.deepest, settings.distance - contact.before);
     }
-    if (getenv("DBG")) {
-        double dp = 1e9;
-        int nn = 0;
-        for (auto& c : m_contacts) {
-            dp = std::min(dp, double(c.before));
-            nn += c.crossing;
-        }
-        std::printf("    pairs %zu moments %d contacts %zu crossing %d misplaced %zu least before %.3f way %.3f\n",
-                    m_pairs.size(), result.near.moments, m_contacts.size(), nn, m_sides.misplaced(), dp, m_usualWay);
-    }
     m_last.swap(m_before);
     return result;
 }
@@ -194,50 +185,48 @@ int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid
         }
         return written;
     }
-    bringBack(soft, object, frame, distance);
+    if (!object.hasContactResponse()) {
+        return 0;
+    }
+    const MovableBodies movable{&soft, nullptr, m_soft->thread, false};
+    const auto hardness = static_cast<double>(object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR);
+    bringBack({movable, static_cast<double>(distance), hardness, frame.getBasis()}, soft, nullptr, &m_before, nullptr,
+              m_contacts);
     std::vector<double> missing;
     for (const SurfaceContact& contact : m_contacts) {
         missing.push_back(static_cast<double>(std::min(distance, contact.before) - contact.after));
     }
-    for (const NodeMove& move : nodeMoves(soft, m_contacts, missing, m_soft->thread)) {
+    const NodeMoves moves = nodeMoves(movable, m_contacts, missing);
+    for (const NodeMove& move : moves[0]) {
         written += writeRigidContact(site, move) ? 1 : 0;
     }
     return written;
 }
 
-/// What is inside of the margin comes back by its place alone: a correction by its velocity would throw it out.
-void SoftRigidPair::bringBack(btSoftBody& soft, const btCollisionObject& object, const btTransform& frame,
-                              float distance) {
-    const auto hardness = static_cast<double>(object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR);
-    std::vector<double> missing;
-    for (const SurfaceContact& contact : m_contacts) {
-        missing.push_back(contact.before < distance
-                              ? wayBack(static_cast<double>(contact.before), static_cast<double>(distance), hardness)
-                              : 0.0);
-    }
-    const std::vector<NodeMove> moves = nodeMoves(soft, m_contacts, missing, m_soft->thread);
-    if (moves.empty() || !object.hasContactResponse()) {
+void SoftRigidPair::appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const {
+    if (m_body != &body) {
         return;
     }
-    for (const NodeMove& move : moves) {
-        btSoftBody::Node& node = soft.m_nodes[static_cast<int>(move.node)];
-        const Eigen::Vector3f local = move.move.cast<float>();
-        const btVector3 way = frame.getBasis() * toBullet(local);
-        node.m_x += way;
-        node.m_q += way;
-        m_before[move.node] += local;
-        m_after[move.node] += local;
+    for (const SurfaceContact& contact : m_contacts) {
+        SoftContact told = toldOf(contact.a, contact.weightsA, m_soft->nodes);
+        told.other = m_object;
+        told.triangle = static_cast<int>(contact.pair.triangleB);
+        told.normal = toEigen(m_frame * toBullet(contact.normal));
+        told.distance = contact.before;
+        told.predicted = contact.after;
+        told.passing = contact.crossing;
+        contacts.push_back(told);
     }
-    for (SurfaceContact& contact : m_contacts) {
-        for (std::size_t i = 0; i < 3; ++i) {
-            const auto at = std::ranges::lower_bound(moves, contact.a[i], {}, &NodeMove::node);
-            if (at != moves.end() && at->node == contact.a[i]) {
-                const float way = contact.weightsA[static_cast<int>(i)] * at->move.cast<float>().dot(contact.normal);
-                contact.before += way;
-                contact.after += way;
-            }
-        }
+}
+
+SoftContact toldOf(const std::array<std::uint32_t, 3>& vertices, const Eigen::Vector3f& weights, std::uint32_t nodes) {
+    SoftContact told;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const float weight = weights[static_cast<int>(i)];
+        told.nodes[i] = weight > 0 && vertices[i] < nodes ? static_cast<int>(vertices[i]) : -1;
+        told.weights[i] = weight;
     }
+    return told;
 }
 
 }  // namespace detail

@@ -12,6 +12,7 @@
 #include <grapeshot/plugin/detail/near_pairs.hpp>
 #include <grapeshot/plugin/detail/rigid_surface.hpp>
 #include <grapeshot/plugin/detail/soft_surface.hpp>
+#include <grapeshot/plugin/soft_contacts.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -35,6 +36,10 @@ struct SoftPairResult {
     std::string refusal;  ///< why there was no answer; else empty
 };
 
+/// Nodes and weights of one side, in the words of the public header.
+[[nodiscard]] SoftContact toldOf(const std::array<std::uint32_t, 3>& vertices, const Eigen::Vector3f& weights,
+                                 std::uint32_t nodes);
+
 class SoftRigidPair {
   public:
     explicit SoftRigidPair(Context& context) : m_context(context) {}
@@ -42,8 +47,8 @@ class SoftRigidPair {
     SoftPairResult process(btSoftBody& soft, const btCollisionObjectWrapper& rigid, btScalar timeStep,
                            std::uint64_t look, std::uint64_t key, const Budget& budget);
     void forget();
-    /// In the frame of the rigid shape at the end of the step; of the last step.
-    [[nodiscard]] const std::vector<SurfaceContact>& contacts() const { return m_contacts; }
+    /// Those of the last step, if it is the body's pair.
+    void appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const;
 
   private:
     bool findSurfaces(const btSoftBody& soft, const btCollisionShape& shape, std::uint64_t look, std::string& refusal);
@@ -52,8 +57,6 @@ class SoftRigidPair {
     void forgetIfMoved();
     int write(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btTransform& frame,
               const btVector3& origin, float distance, SoftWorld world);
-
-    void bringBack(btSoftBody& soft, const btCollisionObject& object, const btTransform& frame, float distance);
 
     Context& m_context;
     const btSoftBody* m_body = nullptr;
@@ -66,6 +69,8 @@ class SoftRigidPair {
     std::unique_ptr<NearPairs> m_near;
     SurfaceContacts m_sides;
     std::vector<Eigen::Vector3f> m_last, m_before, m_after;
+    const btCollisionObject* m_object = nullptr;
+    btMatrix3x3 m_frame;   // of m_contacts
     float m_usualWay = 0;  // most that a vertex was to move in the last step, m
     std::vector<TrianglePair> m_pairs;
     std::vector<SurfaceContact> m_contacts;

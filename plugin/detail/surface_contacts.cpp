@@ -100,7 +100,6 @@ class SurfaceContacts::Pass {
         // from what those pass.
         const bool first = !m_bodies[1]->rigid;
         rememberCorners(pairs, [&](int body) { return body == 0 || first; });
-        forgetBetweenMisplaced();
         if (!first) {
             rememberCorners(pairs, [&](int body) { return body == 1; });
         }
@@ -197,13 +196,6 @@ class SurfaceContacts::Pass {
         return first.contains(ends[0]) || first.contains(ends[1]) ||
                (!m_bodies[1]->rigid && (second.contains(ends[2]) || second.contains(ends[3])));
     }
-    void forgetBetweenMisplaced() {
-        std::erase_if(m_memory.m_edges, [&](const auto& known) { return isMisplaced(known.first); });
-        if (m_bodies[1]->rigid) {
-            std::erase_if(m_memory.m_anchors[1], [&](const auto& known) { return isMisplaced(known.second.face); });
-        }
-    }
-
     [[nodiscard]] int memoryOf(int body) const { return m_near != nullptr ? 0 : body; }
     [[nodiscard]] std::map<std::uint32_t, Anchor>& anchors(int body) const {
         return m_memory.m_anchors[static_cast<std::size_t>(memoryOf(body))];
@@ -430,7 +422,7 @@ class SurfaceContacts::Pass {
             const bool sameFace =
                 i > 0 && ofFace(chosen[i]) && ofFace(chosen[i - 1]) && chosen[i].face == chosen[i - 1].face;
             same = sameFace ? same + 1 : 0;
-            if (same < 2) {
+            if (same < (chosen[i].crossing ? 4U : 2U)) {
                 emit(chosen[i], contacts);
             }
         }

@@ -102,6 +102,22 @@ inline int nodesInTorus(const btSoftBody& body, double ring, double tube, double
     return count;
 }
 
+/// Faces straight above a point.
+inline int facesAbove(const btSoftBody& body, const btVector3& point) {
+    int count = 0;
+    for (int f = 0; f < body.m_faces.size(); ++f) {
+        const auto& corners = body.m_faces[f].m_n;
+        const btVector3 u = corners[1]->m_x - corners[0]->m_x;
+        const btVector3 v = corners[2]->m_x - corners[0]->m_x;
+        const btVector3 w = point - corners[0]->m_x;
+        const btScalar det = u.x() * v.z() - v.x() * u.z();
+        const btScalar s = (w.x() * v.z() - v.x() * w.z()) / det;
+        const btScalar t = (u.x() * w.z() - w.x() * u.z()) / det;
+        count += det != 0 && s >= 0 && t >= 0 && s + t <= 1 && s * u.y() + t * v.y() > w.y() ? 1 : 0;
+    }
+    return count;
+}
+
 inline bool isFinite(const btSoftBody& body) {
     for (int i = 0; i < body.m_nodes.size(); ++i) {
         if (!std::isfinite(body.m_nodes[i].m_x.length2()) || !std::isfinite(body.m_nodes[i].m_v.length2())) {

@@ -1,0 +1,214 @@
+#include <grapeshot/plugin/detail/soft_soft_pair.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <grapeshot/plugin/detail/bring_back.hpp>
+#include <grapeshot/plugin/detail/convert.hpp>
+#include <grapeshot/plugin/detail/near_vertices.hpp>
+#include <grapeshot/plugin/detail/soft_contact_writer.hpp>
+
+namespace grapeshot {
+inline namespace GRAPESHOT_PRECISION {
+namespace detail {
+
+namespace {
+
+using Positions = std::vector<Eigen::Vector3f>;
+
+Eigen::Vector3f meanWay(const Positions& from, const Positions& to) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        sum += (to[i] - from[i]).cast<double>();
+    }
+    return (sum / std::max(1.0, static_cast<double>(from.size()))).cast<float>();
+}
+
+float longestWay(const Positions& from, const Positions& to) {
+    float most = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        most = std::max(most, (to[i] - from[i]).squaredNorm());
+    }
+    return std::sqrt(most);
+}
+
+void shift(Positions& positions, const Eigen::Vector3f& by) {
+    for (Eigen::Vector3f& p : positions) {
+        p += by;
+    }
+}
+
+}  // namespace
+
+void SoftSoftPair::forget() {
+    m_sides.clear();
+    m_a.last.clear();
+    m_b.last.clear();
+    m_contacts.clear();
+}
+
+bool SoftSoftPair::findSurfaces(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task, std::string& refusal) {
+    m_itself = &a == &b;
+    bool changed = false;
+    for (auto& [side, body] : {std::pair<Side&, btSoftBody&>(m_a, a), std::pair<Side&, btSoftBody&>(m_b, b)}) {
+        if (side.body != &body || side.entry == nullptr) {
+            side.body = &body;
+            side.entry = m_context.softEntries.entry(body);
+        }
+        auto surface = side.entry->surface(body, task.look);
+        if (!surface) {
+            refusal = side.entry->error();
+            return false;
+        }
+        changed = changed || surface != side.surface;
+        side.surface = std::move(surface);
+    }
+    if (changed || m_near == nullptr) {
+        forget();
+        m_origin = a.m_nodes[0].m_x;
+        m_nearDistance = -1;
+        const auto treeOf = [](const Side& side) {
+            return std::shared_ptr<const BallTree>(side.surface, &side.surface->tree);
+        };
+        m_near = std::make_unique<NearPairs>(treeOf(m_a), treeOf(m_b));
+    }
+    if (m_itself && m_nearDistance != task.distance) {
+        m_nearDistance = task.distance;
+        m_nearVertices = nearVertices(m_a.surface->tree.surface, 1.5F * task.distance);
+    }
+    return true;
+}
+
+/// Both bodies may fly together: their mean motion is of no concern.
+bool SoftSoftPair::readPositions(btSoftBody& a, btSoftBody& b) {
+    const btTransform frame(btMatrix3x3::getIdentity(), m_origin);
+    const auto read = [&](Side& side, const btSoftBody& body) {
+        return positionsOf(body, *side.surface, NodePart::before, frame, side.before) &&
+               positionsOf(body, *side.surface, NodePart::after, frame, side.after);
+    };
+    if (!read(m_a, a) || (!m_itself && !read(m_b, b))) {
+        return false;
+    }
+    const auto mean = [&](Positions Side::*from, Positions Side::*to) {
+        const Eigen::Vector3f ofA = meanWay(m_a.*from, m_a.*to);
+        return m_itself ? ofA : Eigen::Vector3f(0.5F * (ofA + meanWay(m_b.*from, m_b.*to)));
+    };
+    const bool known = m_a.last.size() == m_a.before.size() && (m_itself || m_b.last.size() == m_b.before.size());
+    const Eigen::Vector3f past = known ? mean(&Side::last, &Side::before) : Eigen::Vector3f::Zero();
+    m_drift = mean(&Side::before, &Side::after);
+    float way = 0;
+    float lastWay = 0;
+    for (Side* side : {&m_a, &m_b}) {
+        shift(side->after, -m_drift);
+        shift(side->last, past);
+        way = std::max(way, longestWay(side->before, side->after));
+        lastWay = known ? std::max(lastWay, longestWay(side->last, side->before)) : 0;
+    }
+    // Somebody has put a body elsewhere: what it passed on that way is of no concern.
+    if (!known || lastWay > 4 * (way + m_usualWay) + 0.5F * m_a.surface->meanEdge) {
+        m_sides.clear();
+        m_a.last = m_a.before;
+        m_b.last = m_b.before;
+    }
+    m_usualWay = way;
+    return true;
+}
+
+SurfaceInStep SoftSoftPair::inStep(const Side& side) const {
+    SurfaceInStep step{side.last,
+                       side.before,
+                       side.after,
+                       side.surface->triangles(),
+                       &side.surface->owners,
+                       &side.surface->tree.surface};
+    step.solid = side.surface->solid;
+    step.thread = side.surface->thread;
+    return step;
+}
+
+SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task) {
+    SoftPairResult result;
+    m_contacts.clear();
+    if (!findSurfaces(a, b, task, result.refusal)) {
+        forget();
+        return result;
+    }
+    if (!readPositions(a, b)) {
+        result.refusal = "a node's position is no number";
+        forget();
+        return result;
+    }
+    const SurfaceInStep first = inStep(m_a);
+    const SurfaceInStep second = inStep(m_itself ? m_a : m_b);
+    NearSettings settings;
+    settings.distance = task.distance;
+    settings.spacing = 0.5F * std::min(m_a.surface->meanEdge, m_b.surface->meanEdge);
+    settings.exclusion = task.exclusion;
+    settings.seed = m_context.settings.seed;
+    settings.pair = task.key;
+    settings.budget = task.budget;
+    result.near = m_near->find(first, second, settings, m_pairs);
+    if (result.near.stop == StopReason::invalidInput) {
+        result.refusal = "a position is no number";
+        forget();
+        return result;
+    }
+    result.pairs = m_pairs.size();
+    m_sides.find(first, second, m_pairs, static_cast<double>(task.distance), m_itself ? &m_nearVertices : nullptr,
+                 m_contacts);
+    for (const SurfaceContact& contact : m_contacts) {
+        result.crossings += contact.crossing ? 1 : 0;
+        result.deepest = std::max(result.deepest, task.distance - contact.before);
+    }
+    result.contacts = write(a, b, task.distance);
+    for (Side* side : {&m_a, &m_b}) {
+        side->last.swap(side->before);
+    }
+    return result;
+}
+
+int SoftSoftPair::write(btSoftBody& a, btSoftBody& b, float distance) {
+    if (m_contacts.empty() || !(a.isActive() || b.isActive())) {
+        return 0;
+    }
+    // Whose solver sleeps does not clear its contacts.
+    a.activate();
+    b.activate();
+    const MovableBodies movable{&a, &b, m_a.surface->thread, m_b.surface->thread};
+    const auto hardness = static_cast<double>(btMin(a.m_cfg.kSHR, b.m_cfg.kSHR));
+    bringBack({movable, static_cast<double>(distance), 0.5 * hardness, btMatrix3x3::getIdentity()}, a, &b, &m_a.before,
+              &m_b.before, m_contacts);
+    const SoftContactSite site{a, b, *m_a.entry, *m_b.entry, btScalar(distance)};
+    int written = 0;
+    for (const SurfaceContact& contact : m_contacts) {
+        written += writeSoftContact(site, contact);
+    }
+    return written;
+}
+
+void SoftSoftPair::appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const {
+    const bool isA = m_a.body == &body;
+    if (!isA && m_b.body != &body) {
+        return;
+    }
+    const Side& mine = isA ? m_a : m_b;
+    const Side& other = isA ? m_b : m_a;
+    for (const SurfaceContact& contact : m_contacts) {
+        SoftContact told = isA ? toldOf(contact.a, contact.weightsA, mine.surface->nodes)
+                               : toldOf(contact.b, contact.weightsB, mine.surface->nodes);
+        told.otherNodes = (isA ? toldOf(contact.b, contact.weightsB, other.surface->nodes)
+                               : toldOf(contact.a, contact.weightsA, other.surface->nodes))
+                              .nodes;
+        told.other = other.body;
+        told.normal = isA ? contact.normal : Eigen::Vector3f(-contact.normal);
+        told.distance = contact.before;
+        told.predicted = contact.after;
+        told.passing = contact.crossing;
+        contacts.push_back(told);
+    }
+}
+
+}  // namespace detail
+}  // namespace GRAPESHOT_PRECISION
+}  // namespace grapeshot

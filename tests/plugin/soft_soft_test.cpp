@@ -1,0 +1,163 @@
+// Soft bodies against each other and themselves in btSoftRigidDynamicsWorld.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "soft_fixture.hpp"
+#include "support/test_size.hpp"
+
+namespace grapeshot::test {
+namespace {
+
+constexpr int side = 17;  // nodes along an edge of the folded cloth
+
+/// A sheet of 1.6 m whose right half lies 25 cm above its left one, over the ground.
+btSoftBody* foldedCloth(btSoftBodyWorldInfo& info) {
+    btSoftBody* body = btSoftBodyHelpers::CreatePatch(info, {-0.8_s, 0, -0.8_s}, {0.8_s, 0, -0.8_s}, {-0.8_s, 0, 0.8_s},
+                                                      {0.8_s, 0, 0.8_s}, side, side, 0, true);
+    for (int i = 0; i < body->m_nodes.size(); ++i) {
+        btSoftBody::Node& node = body->m_nodes[i];
+        const btScalar x = node.m_x.x();
+        node.m_x.setX(x > 0.05_s ? -x : x);
+        node.m_x.setY(x > 0.05_s ? 0.3_s : x > -0.05_s ? 0.15_s : 0.05_s);
+        node.m_q = node.m_x;
+    }
+    body->setTotalMass(1);
+    body->m_cfg.kDF = 0.5_s;
+    body->m_cfg.piterations = 5;
+    return body;
+}
+
+/// Nodes of the upper half below the lower one: straight down from it.
+int nodesBelowOwnSheet(const btSoftBody& body) {
+    const auto column = [&](const btSoftBody::Node* node) { return static_cast<int>(node - &body.m_nodes[0]) % side; };
+    int below = 0;
+    for (int i = 0; i < body.m_nodes.size(); ++i) {
+        const btVector3& x = body.m_nodes[i].m_x;
+        double height = -1e9;
+        for (int f = 0; f < body.m_faces.size() && i % side > side / 2; ++f) {
+            const auto& corners = body.m_faces[f].m_n;
+            if (std::max({column(corners[0]), column(corners[1]), column(corners[2])}) >= side / 2) {
+                continue;
+            }
+            const btVector3 u = corners[1]->m_x - corners[0]->m_x;
+            const btVector3 v = corners[2]->m_x - corners[0]->m_x;
+            const btVector3 w = x - corners[0]->m_x;
+            const btScalar det = u.x() * v.z() - v.x() * u.z();
+            const btScalar s = (w.x() * v.z() - v.x() * w.z()) / det;
+            const btScalar t = (u.x() * w.z() - w.x() * u.z()) / det;
+            if (det != 0 && s >= 0 && t >= 0 && s + t <= 1) {
+                height = std::max(height, static_cast<double>(corners[0]->m_x.y() + s * u.y() + t * v.y()));
+            }
+        }
+        below += static_cast<double>(x.y()) < height ? 1 : 0;
+    }
+    return below;
+}
+
+int belowAfterFalling(bool itself) {
+    SoftBudgetWorld world;
+    btBoxShape ground({5, 0.5_s, 5});
+    world.add(ground, at({0, -0.5_s, 0})).setFriction(1);
+    btSoftBody& body = world.add(foldedCloth(world.world.getWorldInfo()), 0.02_s);
+    if (itself) {
+        EXPECT_EQ(addSelfCollision(&world.dispatcher, &body), Status::ok);
+    }
+    world.step(sampleSize(120, 600));
+    EXPECT_TRUE(isFinite(body));
+    if (itself) {
+        EXPECT_GT(body.m_scontacts.size(), 0);
+        EXPECT_THAT(contactsOf(&world.dispatcher, &body), testing::Not(testing::IsEmpty()));
+        EXPECT_EQ(removeSelfCollision(&world.dispatcher, &body), Status::ok);
+        EXPECT_EQ(removeSelfCollision(&world.dispatcher, &body), Status::badArgument);
+    }
+    return nodesBelowOwnSheet(body);
+}
+
+TEST(SoftSoft, FoldedClothStaysAboveItself) {
+    EXPECT_LE(belowAfterFalling(true), 1);
+    EXPECT_GT(belowAfterFalling(false), 10);  // so that the scene is one
+}
+
+double meanHeight(const btSoftBody& body) {
+    double sum = 0;
+    for (int i = 0; i < body.m_nodes.size(); ++i) {
+        sum += static_cast<double>(body.m_nodes[i].m_x.y());
+    }
+    return sum / body.m_nodes.size();
+}
+
+struct Sheets {
+    explicit Sheets(bool flagged, const Settings& settings = {}) : world(settings) {
+        btSoftBodyWorldInfo& info = world.world.getWorldInfo();
+        held = cloth(info, {0, 0, 0}, 1, 15, 15, 1);
+        falling = cloth(info, {0.1_s, 0.3_s, 0.05_s}, 0.5_s, 11, 0, 0.3_s);
+        for (btSoftBody* body : {held, falling}) {
+            body->m_cfg.piterations = 4;
+            body->m_cfg.collisions |= flagged ? btSoftBody::fCollision::VF_SS : 0;
+            world.add(body, 0.02_s);
+        }
+    }
+    SoftTestWorld world;
+    btSoftBody* held = nullptr;
+    btSoftBody* falling = nullptr;
+};
+
+TEST(SoftSoft, OneSheetRestsOnAnother) {
+    Sheets sheets(true);
+    sheets.world.step(240);
+    EXPECT_GT(meanHeight(*sheets.falling), -1);
+    EXPECT_LT(fastest(*sheets.falling), 2);
+    EXPECT_GT(sheets.world.stats().contacts, 20);
+    EXPECT_LT(sheets.world.stats().deepest, 0.04F);  // both margins: nothing has passed
+    const ClosestFeatures closest = closestFeatures(*sheets.falling, *sheets.held, 1);
+    EXPECT_EQ(closest.status, Status::ok);
+    ASSERT_TRUE(closest.found);
+    EXPECT_GT(closest.distance, 0.01F);
+    EXPECT_LT(closest.distance, 0.06F);
+    EXPECT_NEAR((closest.onSoft - closest.onOther).norm(), closest.distance, 1e-4);
+}
+
+TEST(SoftSoft, WithoutTheFlagBodiesDoNotMeet) {
+    Sheets sheets(false);
+    sheets.world.step(120);
+    EXPECT_LT(meanHeight(*sheets.falling), -2);
+    EXPECT_EQ(sheets.held->m_scontacts.size() + sheets.falling->m_scontacts.size(), 0);
+}
+
+TEST(SoftSoft, DisabledObjectsDoNotMeet) {
+    Sheets sheets(true);
+    sheets.falling->m_collisionDisabledObjects.push_back(sheets.held);
+    sheets.world.step(120);
+    EXPECT_LT(meanHeight(*sheets.falling), -2);
+}
+
+TEST(SoftSoft, ABodyMayLeaveTheWorldAndOthersGoOn) {
+    Sheets sheets(true);
+    sheets.world.step(60);
+    sheets.world.world.removeSoftBody(sheets.held);
+    std::erase_if(sheets.world.softs, [&](const auto& owned) { return owned.get() == sheets.held; });
+    sheets.world.step(30);
+    EXPECT_TRUE(isFinite(*sheets.falling));
+    EXPECT_THAT(contactsOf(&sheets.world.dispatcher, sheets.falling), testing::IsEmpty());
+}
+
+TEST(SoftSoft, RefusesBadArguments) {
+    SoftBudgetWorld world;
+    btSoftBody& body = world.add(cloth(world.world.getWorldInfo(), {0, 0, 0}, 1, 5, 0, 1), 0.02_s);
+    EXPECT_EQ(addSelfCollision(nullptr, &body), Status::nullPointer);
+    EXPECT_EQ(addSelfCollision(&world.dispatcher, nullptr), Status::nullPointer);
+    EXPECT_EQ(addSelfCollision(&world.dispatcher, &body, {.thickness = -1}), Status::badArgument);
+    EXPECT_EQ(addSelfCollision(&world.dispatcher, &body, {.thickness = NAN}), Status::badArgument);
+    btCollisionDispatcher other(&world.configuration);
+    EXPECT_EQ(addSelfCollision(&other, &body), Status::notRegistered);
+    EXPECT_EQ(closestFeatures(body, body, 1).status, Status::badArgument);
+    EXPECT_EQ(closestFeatures(body, body, -1).status, Status::badArgument);
+    btBoxShape box({1, 1, 1});
+    btCollisionObject object;
+    object.setCollisionShape(&box);
+    EXPECT_EQ(closestFeatures(body, object, 1).status, Status::unsupportedShape);
+}
+
+}  // namespace
+}  // namespace grapeshot::test
