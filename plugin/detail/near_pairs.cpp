@@ -96,11 +96,15 @@ NearResult NearPairs::find(const SurfaceInStep& a, const SurfaceInStep& b, const
         NearSettings all = settings;
         all.budget = {};
         for (std::size_t leg = 0; leg < 2; ++leg) {
-            const int moments = std::clamp(static_cast<int>(std::ceil(ways[leg] / (2 * unit))), 1, mostMoments);
-            const auto count = static_cast<float>(moments);
+            const float wanted = std::max(1.0F, std::ceil(ways[leg] / (2 * unit)));
+            const float count = std::min(wanted, static_cast<float>(mostMoments));
+            const int moments = static_cast<int>(count);
+            // What is faster than that has blown up, and would bring everything near everything.
+            const float between = std::min(0.5F * ways[leg] / count, unit);
+            result.certain = result.certain && wanted <= count;
             for (int k = 0; k < moments; ++k) {
                 const float time = (static_cast<float>(k) + 0.5F) / count;
-                const float reach = settings.distance + 0.5F * ways[leg] / count;
+                const float reach = settings.distance + between;
                 look({leg == 0 ? a.last : a.before, leg == 0 ? a.before : a.after, leg == 0 ? b.last : b.before,
                       leg == 0 ? b.before : b.after, a.rigid, b.rigid, time, reach},
                      all, result, pairs);

@@ -287,9 +287,10 @@ int softThrough(const scenes::Mesh& mesh, int shots, double fromSpeed, double to
     const MeshShape shape(mesh, Kind::mesh, 0.005_s);
     int through = 0;
     for (int i = 0; i < shots; ++i) {
-        const auto draw = [&, n = std::uint32_t{0}](double from, double to) mutable {
-            return btScalar(from +
-                            (to - from) * static_cast<double>(randomUnit({3, static_cast<std::uint64_t>(i), 0}, n++)));
+        std::uint32_t drawn = 0;
+        const auto draw = [&](double from, double to) {
+            const RandomKey key{3, static_cast<std::uint64_t>(i), 0};
+            return btScalar(from + (to - from) * static_cast<double>(randomUnit(key, drawn++)));
         };
         SoftTestWorld world;
         world.setGravity({0, 0, 0});
