@@ -179,9 +179,14 @@ int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid
     const RigidContactSite site{soft, object, frame, origin};
     int written = 0;
     if (world == SoftWorld::velocities) {
+        using Flags = btSoftBody::fCollision;
+        const bool link = object.getInternalType() == btCollisionObject::CO_FEATHERSTONE_LINK;
+        const int flags = soft.m_cfg.collisions;
+        const bool nodes = (flags & Flags::SDF_RDN) != 0;
+        const bool faces = (flags & (link ? Flags::SDF_MDF : Flags::SDF_RDF)) != 0;
         for (const SurfaceContact& contact : m_contacts) {
-            const bool onThread = m_soft->thread && contact.features == Features::faceCorner;
-            written += !onThread && writeDeformableContact(site, *m_softEntry, contact, distance) ? 1 : 0;
+            const bool wanted = contact.features == Features::cornerFace ? nodes : faces;
+            written += wanted && writeDeformableContact(site, *m_softEntry, contact, distance) ? 1 : 0;
         }
         return written;
     }

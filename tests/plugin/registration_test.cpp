@@ -1,6 +1,7 @@
 #include <grapeshot/plugin/registration.hpp>
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <gmock/gmock.h>
 
 #include <limits>
@@ -77,6 +78,39 @@ TEST_F(Dispatching, LeavesCompoundsSoftBodiesAndConvexPairsAlone) {
             }
         }
     }
+    ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
+    EXPECT_EQ(tablesOf(dispatcher), before);
+}
+
+TEST(SoftDispatching, TakesSoftBodiesAgainstMeshesAndEachOtherWhereTheyAreKnown) {
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher(&configuration);
+    const Tables before = tablesOf(dispatcher);
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
+    EXPECT_TRUE(isRegistered(&dispatcher));
+    constexpr int soft = SOFTBODY_SHAPE_PROXYTYPE;
+    const auto changed = [&](Table table, int first, int second) {
+        return detail::creatorIn(dispatcher, table, first, second) !=
+               (table == Table::contacts ? configuration.getCollisionAlgorithmCreateFunc(first, second)
+                                         : configuration.getClosestPointsAlgorithmCreateFunc(first, second));
+    };
+    EXPECT_TRUE(changed(Table::contacts, soft, soft));
+    for (const int mesh : ourTypes) {
+        EXPECT_TRUE(changed(Table::contacts, soft, mesh)) << mesh;
+        EXPECT_TRUE(changed(Table::contacts, mesh, soft)) << mesh;
+        EXPECT_FALSE(changed(Table::closest, soft, mesh)) << mesh;
+    }
+    for (int i = 0; i < CONCAVE_SHAPES_START_HERE; ++i) {
+        EXPECT_FALSE(changed(Table::contacts, soft, i)) << i;
+        EXPECT_FALSE(changed(Table::contacts, i, soft)) << i;
+    }
+    Settings without;
+    without.softPairs = false;
+    ASSERT_EQ(registerAlgorithms(&dispatcher, without), Status::ok);
+    EXPECT_FALSE(changed(Table::contacts, soft, soft));
+    EXPECT_FALSE(changed(Table::contacts, soft, TRIANGLE_MESH_SHAPE_PROXYTYPE));
+    ASSERT_EQ(registerAlgorithms(&dispatcher), Status::ok);
     ASSERT_EQ(unregisterAlgorithms(&dispatcher), Status::ok);
     EXPECT_EQ(tablesOf(dispatcher), before);
 }
