@@ -110,14 +110,14 @@ std::string usage() {
   fit        the formula and table of the ADB-trees' probabilities, on meshes that no other suite reports
   guarantee  certificates on fresh poses of unseen meshes, against the exact query; the audit on bodies in motion
   paper      the ADB-tree paper of 2003: error and time per distance, beside the published curves
-  scene      Bullet scenes against GImpact
+  scene      Bullet scenes against GImpact, convex hulls and compounds of hulls; what a budget leaves of their quality
   stochastic the stochastic papers of 2004: collisions found after so many steps, beside the published table
   tracking   deforming surfaces: contacts tracked by scf against boxes refitted in every frame; are its bounds true?
   trees      memory, building and refit of the trees against FCL's
   workloads  yes/no as decide does not ask it: unlike pairs, smooth paths, one pose again and again; the slowest of all
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, stochastic)
-  --scenario NAME...    only these scenarios (scene; continuous: needle, rigid, turning,
+  --scenario NAME...    only these scenarios (scene: see below; continuous: needle, rigid, turning,
                         deforming; tracking: bodies, meetings, self, bound, depth; workloads: work,
                         unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
@@ -128,11 +128,24 @@ std::string usage() {
                         frames of each bound (tracking)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
   --plots FOLDER        write the charts there (anytime, contacts, paper, stochastic)
-  --repetitions N       of every timed measurement; episodes per scene (stochastic)
+  --repetitions N       of every timed measurement; episodes per scene (stochastic); starts (scene, budget)
   --seed S              of poses and scenes
   --isa SET             scalar, avx2 or avx512 at most
   --output FILE         write the calibration there (fit)
   --json FILE           write the rows there
+
+Scenarios of scene, all with collision margins of 2 and 4 cm unless said otherwise; the first two lines if none is named:
+  pile                                              50 bodies of 5,000 triangles, mesh floor, 12 s
+  u_on_bar cross_in_hole interlocked_tori comb_in_rails nut_on_bolt
+                                                    at rest for 20 s, sleeping and damping off
+  pile_20k                                          50 bodies of 20,000 triangles for 40 steps, landed
+  pile_1k pile_box pile10 pile200                   the pile coarser, on a box, of fewer and more bodies; 2 cm
+  budget                                            the pile for full work, 1/2, 1/4, 1/8, 1/20 of it; at equal work
+                                                    decimated proxies, half the rate of physics, plain round robin
+  chain stacked_cups gears arch                     things that only work if contacts are where the surfaces are
+  haptic_pair                                       two bodies of 20,000 triangles at 1 kHz
+  appear                                            a mesh of a million triangles under falling bodies, in mid-run
+  methods                                           the pile and what rests by each method
 
 Exit code: 0 all claims hold, 1 a claim failed, 2 bad use.
 )";

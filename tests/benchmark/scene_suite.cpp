@@ -67,11 +67,11 @@ report::Report runSceneSuite(const Options& options) {
     const std::vector<std::string>& wanted = options.scenarios;
     for (const std::string& name : wanted) {
         if (std::ranges::find(scenarios, name, &Scenario::name) == scenarios.end()) {
-            std::string known;
+            std::string message = "--scenario: '" + name + "' is none of";
             for (const Scenario& scenario : scenarios) {
-                known += (known.empty() ? "" : ", ") + std::string(scenario.name);
+                message.append(" ").append(scenario.name);
             }
-            throw std::invalid_argument("--scenario: '" + name + "' is none of " + known);
+            throw std::invalid_argument(message);
         }
     }
     for (const Scenario& scenario : scenarios) {

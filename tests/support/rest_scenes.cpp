@@ -67,6 +67,8 @@ std::size_t addRestScene(World& world, RestScene scene) {
         case RestScene::combInRails:
             return add(world, rails(), comb(5, 0.8F, 0.8F, 0.4F, 2), at(0.01, 1.2, 0.02, 0.02));
         case RestScene::nutOnBolt: {
+            // Bullet's default resists sliding along one direction alone, so a nut creeps down whatever its contacts.
+            world.dynamics().getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
             const Thread thread{1, 0.16F, 1};
             return add(world, threadedRod(thread, 5, 36, 60), threadedNut(thread, 0.12F, 3.2F, 1.6F, 36, 20),
                        at(0, 0.01, 0));
