@@ -145,7 +145,7 @@ Scenarios of scene, all with collision margins of 2 and 4 cm unless said otherwi
   chain stacked_cups gears arch                     things that only work if contacts are where the surfaces are
   haptic_pair                                       two bodies of 20,000 triangles at 1 kHz
   appear                                            a mesh of a million triangles under falling bodies, in mid-run
-  methods                                           the pile and what rests by each method
+  methods                                           the same scenes by each Method of the settings
 
 Exit code: 0 all claims hold, 1 a claim failed, 2 bad use.
 )";
