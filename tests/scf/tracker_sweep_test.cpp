@@ -1,6 +1,7 @@
 // Continuous steps of the tracker: all that touches at any moment, against the roots of cubics.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -48,11 +49,11 @@ std::vector<std::byte> sweepBytes(const TrackResult& result) {
 }
 
 TEST(TrackerSweep, ListsAllThatTouchesWhenItFirstDoes) {
-    const PassingPair scene(5);
+    const PassingPair scene(3);
     Tracker tracker(scene.a, scene.b);
     std::size_t pairs = 0;
     std::size_t different = 0;
-    for (std::uint64_t seed = 1; seed <= sampleSize(12, 60); ++seed) {
+    for (std::uint64_t seed = 1; seed <= sampleSize(5, 30); ++seed) {
         const PassingPair::Event event = scene.event(seed);
         const TrackResult result = tracker.sweep(event.a.motion(), event.b.motion(), sweepSettings(TrackMode::exact));
         ASSERT_TRUE(result.certain);
@@ -75,18 +76,18 @@ TEST(TrackerSweep, ListsAllThatTouchesWhenItFirstDoes) {
         }
         different += truth.size() - found;
     }
-    EXPECT_GT(pairs, 500U);
+    EXPECT_GT(pairs, 200U);
     EXPECT_LE(different, pairs / 50);
 }
 
 TEST(TrackerSweep, AtResolutionEveryPairOfCellsThatMeetsIsListed) {
-    const PassingPair scene(6);
+    const PassingPair scene(3);
     Tracker tracker(scene.a, scene.b);
     const TrackSettings settings = sweepSettings(TrackMode::resolution);
     const detail::Cells cellsA = detail::cellsOfRadius(scene.a, settings.spacing);
     const detail::Cells cellsB = detail::cellsOfRadius(scene.b, settings.spacing);
     std::size_t cells = 0;
-    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         tracker.clear();
         const PassingPair::Event event = scene.event(seed);
         const TrackResult result = tracker.sweep(event.a.motion(), event.b.motion(), settings);
@@ -111,7 +112,7 @@ TEST(TrackerSweep, AtResolutionEveryPairOfCellsThatMeetsIsListed) {
         }
         cells += first.size();
     }
-    EXPECT_GT(cells, 100U);
+    EXPECT_GT(cells, 50U);
 }
 
 TEST(TrackerSweep, ANeedleDoesNotPassThroughInAnyMode) {
@@ -190,7 +191,7 @@ TEST(TrackerSweep, ContactsGoOnFromStepToStepAndFromDiscreteSteps) {
     EXPECT_EQ(tracker.steps(), 12U);
 }
 
-TEST(TrackerSweep, MoreBudgetIsNeverWorseAndTheBoundHolds) {
+TEST(TrackerSweep, ABudgetIsKeptAndWhatItLeavesIsNotDenied) {
     const PassingPair scene(8);
     std::size_t uncertain = 0;
     std::size_t held = 0;
