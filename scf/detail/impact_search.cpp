@@ -3,29 +3,6 @@
 #include <algorithm>
 
 namespace grapeshot::detail {
-namespace {
-
-constexpr float afterTheEnd = 1.000001F;  // a touch at the very end counts
-constexpr float smallestStep = 2.4e-7F;   // of the part: below it time hardly goes on
-constexpr float timeRounding = 1 - 1.2e-7F;
-constexpr std::size_t worthACall = 6;  // triangle pairs that are due before the next piece
-constexpr int roundsInARow = 4;
-constexpr double priceOfASample = 24;  // units, more than most cost
-constexpr double caution = 0.75;       // what is not finished counts as a hit
-
-void put(std::vector<WaitingPair>& heap, const WaitingPair& pair) {
-    heap.push_back(pair);
-    std::push_heap(heap.begin(), heap.end());
-}
-
-WaitingPair take(std::vector<WaitingPair>& heap) {
-    std::pop_heap(heap.begin(), heap.end());
-    const WaitingPair earliest = heap.back();
-    heap.pop_back();
-    return earliest;
-}
-
-}  // namespace
 
 ImpactSearch::ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomKey& key, std::uint32_t firstDraw,
                            std::uint64_t spent, ImpactScratch& scratch)
@@ -35,7 +12,7 @@ ImpactSearch::ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomK
       m_key(key),
       m_draw(firstDraw),
       m_work(spent),
-      m_limit(afterTheEnd) {
+      m_limit(impacts::afterTheEnd) {
     scratch.front.clear();
     scratch.side.clear();
     scratch.front.pieces.push_back({0, 0, 0});
@@ -77,7 +54,7 @@ bool ImpactSearch::run(ImpactFront& front, std::uint64_t spare) {
         }
         const std::size_t due = front.triangles.size();
         if (front.pieces.empty() || due >= batchWidth ||
-            (due >= worthACall && front.triangles.front().time < front.pieces.front().time)) {
+            (due >= impacts::worthACall && front.triangles.front().time < front.pieces.front().time)) {
             advanceEarliest(front);
         } else {
             open(front);
@@ -121,12 +98,12 @@ void ImpactSearch::advanceEarliest(ImpactFront& front) {
     }
     m_scratch.batch.load(m_space, pairs, count);
     std::uint32_t open = (1U << static_cast<unsigned>(count)) - 1U;
-    for (int round = 0; open != 0U && round < roundsInARow; ++round) {
+    for (int round = 0; open != 0U && round < impacts::roundsInARow; ++round) {
         ++m_work;
         std::uint32_t touching = m_scratch.batch.run(m_space, time, step) & open;
         for (std::uint32_t left = open & ~touching; left != 0U; left &= left - 1U) {
             const auto lane = static_cast<unsigned>(std::countr_zero(left));
-            if (!(step[lane] > smallestStep)) {
+            if (!(step[lane] > impacts::smallestStep)) {
                 touching |= 1U << lane;
             }
         }
@@ -140,7 +117,7 @@ void ImpactSearch::advanceEarliest(ImpactFront& front) {
         open &= ~touching;
         for (std::uint32_t left = open; left != 0U; left &= left - 1U) {
             const auto lane = static_cast<unsigned>(std::countr_zero(left));
-            time[lane] = (time[lane] + std::min(step[lane], 2.0F)) * timeRounding;
+            time[lane] = (time[lane] + std::min(step[lane], 2.0F)) * impacts::timeRounding;
             if (time[lane] >= m_limit) {
                 open &= ~(1U << lane);
             }
@@ -165,7 +142,8 @@ void ImpactSearch::audit(MissEstimate& miss) {
     // How many is decided before the first is searched: to stop when the budget ends would prefer the cheap ones.
     const std::uint64_t units = m_meter.left(m_work);
     const auto population = static_cast<double>(miss.unknown);
-    const double affordable = units == unlimited ? population : caution * static_cast<double>(units) / priceOfASample;
+    const double affordable =
+        units == unlimited ? population : impacts::caution * static_cast<double>(units) / impacts::priceOfASample;
     miss.sampled = static_cast<std::uint64_t>(std::min(affordable, population));
     const float limit = m_limit;
     const auto piecesDone = [&](std::vector<WaitingPair>& heap, std::size_t i) {

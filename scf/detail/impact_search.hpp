@@ -1,6 +1,8 @@
 // The first impact of two ball trees in motion: by time, and by a uniform sample of what is left.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -32,6 +34,29 @@ struct ImpactFront {
         triangles.clear();
     }
 };
+
+inline void put(std::vector<WaitingPair>& heap, const WaitingPair& pair) {
+    heap.push_back(pair);
+    std::push_heap(heap.begin(), heap.end());
+}
+
+[[nodiscard]] inline WaitingPair take(std::vector<WaitingPair>& heap) {
+    std::pop_heap(heap.begin(), heap.end());
+    const WaitingPair earliest = heap.back();
+    heap.pop_back();
+    return earliest;
+}
+
+/// How a search by time goes on, whatever it looks for.
+namespace impacts {
+inline constexpr float afterTheEnd = 1.000001F;  // a touch at the very end counts
+inline constexpr float smallestStep = 2.4e-7F;   // of the part: below it time hardly goes on
+inline constexpr float timeRounding = 1 - 1.2e-7F;
+inline constexpr std::size_t worthACall = 6;  // triangle pairs that are due before the next piece
+inline constexpr int roundsInARow = 4;
+inline constexpr double priceOfASample = 24;  // units, more than most cost
+inline constexpr double caution = 0.75;       // what is not finished counts as a hit
+}  // namespace impacts
 
 /// Memory that is worth keeping.
 struct ImpactScratch {

@@ -13,15 +13,14 @@ constexpr int longestWalk = 256;  // triangles
 constexpr int largestFan = 4096;
 constexpr double leastBesideBorder = 0.5;  // cosine to the normal: else a point is past the border, on neither side
 
-/// Of the corner between two edges, rad. With +, *, / and square roots alone: the last bits of a library's arc cosine
-/// depend on the machine. Its tangent's half is well known, its own series is not needed: weights may be monotone.
+/// The angle between two edges, rad, to 7e-5 (Abramowitz and Stegun 4.4.45): the last bits of a library's arc cosine
+/// depend on the machine, and a weight need not be exact.
 double weightOfAngle(const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
     const double lengths = std::sqrt(u.squaredNorm() * v.squaredNorm());
     if (!(lengths > 0)) {
         return 0;
     }
     const double cosine = std::clamp(u.dot(v) / lengths, -1.0, 1.0);
-    // Abramowitz and Stegun 4.4.45, error below 7e-5 rad.
     const double x = std::abs(cosine);
     const double arc = std::sqrt(1 - x) * (1.5707288 + x * (-0.2121144 + x * (0.0742610 - x * 0.0187293)));
     return cosine >= 0 ? arc : 3.14159265358979 - arc;

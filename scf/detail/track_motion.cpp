@@ -8,25 +8,6 @@ namespace grapeshot::detail {
 namespace {
 
 constexpr double trackedShare = 0.6;  // of the budget, for what is known already
-constexpr float afterTheEnd = 1.000001F;
-constexpr float smallestStep = 2.4e-7F;
-constexpr float timeRounding = 1 - 1.2e-7F;
-constexpr std::size_t worthACall = 6;
-constexpr int roundsInARow = 4;
-constexpr double priceOfASample = 24;
-constexpr double caution = 0.75;
-
-void put(std::vector<WaitingPair>& heap, const WaitingPair& pair) {
-    heap.push_back(pair);
-    std::push_heap(heap.begin(), heap.end());
-}
-
-WaitingPair take(std::vector<WaitingPair>& heap) {
-    std::pop_heap(heap.begin(), heap.end());
-    const WaitingPair earliest = heap.back();
-    heap.pop_back();
-    return earliest;
-}
 
 std::uint64_t joined(std::uint32_t a, std::uint32_t b) {
     return std::uint64_t{a} << 32U | b;
@@ -140,12 +121,12 @@ void TrackMotion::advance(ImpactFront& front, const LanePair* pairs, float (&tim
     alignas(64) float step[16];
     batch.load(m_space, pairs, count);
     std::uint32_t open = (1U << static_cast<unsigned>(count)) - 1U;
-    for (int round = 0; open != 0U && round < roundsInARow; ++round) {
+    for (int round = 0; open != 0U && round < impacts::roundsInARow; ++round) {
         ++m_work;
         std::uint32_t touching = batch.run(m_space, time, step) & open;
         for (std::uint32_t left = open; left != 0U; left &= left - 1U) {
             const auto lane = static_cast<unsigned>(std::countr_zero(left));
-            if ((touching >> lane & 1U) == 0U && !(step[lane] > smallestStep)) {
+            if ((touching >> lane & 1U) == 0U && !(step[lane] > impacts::smallestStep)) {
                 touching |= 1U << lane;
             }
         }
@@ -156,8 +137,8 @@ void TrackMotion::advance(ImpactFront& front, const LanePair* pairs, float (&tim
         }
         for (std::uint32_t left = open; left != 0U; left &= left - 1U) {
             const auto lane = static_cast<unsigned>(std::countr_zero(left));
-            time[lane] = (time[lane] + std::min(step[lane], 2.0F)) * timeRounding;
-            if (time[lane] >= afterTheEnd) {
+            time[lane] = (time[lane] + std::min(step[lane], 2.0F)) * impacts::timeRounding;
+            if (time[lane] >= impacts::afterTheEnd) {
                 open &= ~(1U << lane);
             }
         }
@@ -197,14 +178,15 @@ void TrackMotion::open(ImpactFront& front) {
     if (isBallLeaf(next.a) && isBallLeaf(next.b)) {
         const std::uint32_t leafA = ballIndex(next.a);
         const std::uint32_t leafB = ballIndex(next.b);
-        m_work += m_space.openLeaves(leafA, leafB, afterTheEnd, [&](unsigned laneA, unsigned laneB, float time) {
-            put(front.triangles, {std::max(time, next.time), leafA << 4U | laneA, leafB << 4U | laneB});
-        });
+        m_work +=
+            m_space.openLeaves(leafA, leafB, impacts::afterTheEnd, [&](unsigned laneA, unsigned laneB, float time) {
+                put(front.triangles, {std::max(time, next.time), leafA << 4U | laneA, leafB << 4U | laneB});
+            });
         return;
     }
     ChildPairs children;
     float time[16];
-    m_work += m_space.expand({next.a, next.b}, afterTheEnd, children, time);
+    m_work += m_space.expand({next.a, next.b}, impacts::afterTheEnd, children, time);
     for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
         const auto lane = static_cast<unsigned>(std::countr_zero(left));
         const BallPair pair = children.at(lane);
@@ -238,7 +220,7 @@ bool TrackMotion::search(ImpactFront& front, std::uint64_t spare) {
         }
         const std::size_t due = front.triangles.size();
         if (front.pieces.empty() || due >= batchWidth ||
-            (due >= worthACall && front.triangles.front().time < front.pieces.front().time)) {
+            (due >= impacts::worthACall && front.triangles.front().time < front.pieces.front().time)) {
             advanceEarliest(front);
         } else {
             open(front);
@@ -255,7 +237,8 @@ void TrackMotion::audit() {
     // How many is decided before the first is searched: to stop when the budget ends would prefer the cheap ones.
     const std::uint64_t units = m_meter.left(m_work);
     const auto population = static_cast<double>(miss.unknown);
-    const double affordable = units == unlimited ? population : caution * static_cast<double>(units) / priceOfASample;
+    const double affordable =
+        units == unlimited ? population : impacts::caution * static_cast<double>(units) / impacts::priceOfASample;
     miss.sampled = m_settings.auditShare > 0 ? static_cast<std::uint64_t>(std::min(affordable, population)) : 0;
     m_known = m_out.contacts.size();
     ImpactFront unfinished;

@@ -125,7 +125,7 @@ std::string usage() {
                         (stochastic), of the coils' settings (tracking)
   --quick               a small sample: answers are checked, times are printed but not claimed
   --poses N             poses per mesh (contacts, decide, anytime, guarantee, trees, workloads), per distance (paper),
-                        frames of each bound (tracking)
+                        frames of each bound, at most 100 of them as poses of each depth (tracking)
   --distances A B STEP  of the middles, in units of half the longest side; 0.4 2.1 0.05 (paper)
   --plots FOLDER        write the charts there (anytime, contacts, paper, stochastic)
   --repetitions N       of every timed measurement; episodes per scene (stochastic); starts (scene, budget)

@@ -368,7 +368,7 @@ report::Report runTrackingSuite(const Options& options) {
     }
     if (wanted("depth")) {
         std::cerr << "depth ...\n";
-        addDepthRows(options.seed, quick, options.poses.value_or(quick ? 4 : 40), results);
+        addDepthRows(options.seed, quick, std::min(options.poses.value_or(quick ? 4 : 12), 100), results);
     }
     return results;
 }
