@@ -131,7 +131,6 @@ void save(const PairState& state, ByteWriter& out) {
     const std::vector<std::byte> tracker = state.tracker ? state.tracker->save() : std::vector<std::byte>();
     out.put(static_cast<std::uint64_t>(tracker.size()));
     out.put(std::span<const std::byte>(tracker));
-    out.put(state.samplingLeft);
 }
 
 namespace {
@@ -179,7 +178,6 @@ PairState loadPairState(ByteReader& in, const LoadedModels& models) {
     state.cutShort = in.flag();
     state.step = in.get<std::uint64_t>();
     state.tracker = loadTracker(in, models);
-    state.samplingLeft = in.get<std::uint32_t>();
     if (!models.sameTrees) {
         forgetSearch(state);
     }

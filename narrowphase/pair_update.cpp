@@ -171,7 +171,6 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
 void forgetSearch(PairState& state) {
     detail::forgetCandidates(state);
     state.tracker.reset();
-    state.samplingLeft = 0;
     state.searchHolds = false;
     state.cutShort = false;
 }
@@ -190,7 +189,7 @@ std::uint64_t contactsAt(const MeshModel& a, const MeshModel& b, const Pose& bIn
     bool complete = false;
     if (byFeatures(a, b, settings)) {
         std::uint64_t work = 0;
-        complete = detail::closeLeafPairs(a, b, bInA, settings.maxDistance, budget, s.search, pairs, work);
+        complete = detail::closeLeafPairs(a, b, bInA, settings.maxDistance, budget, {}, s.search, pairs, work);
         purse.pay(work);
     } else {
         const Order order = purse.isUnlimited() ? Order::depthFirst : Order::bestFirst;

@@ -19,9 +19,9 @@ namespace grapeshot {
 /// Of Method::scf.
 struct FeatureSettings {
     /// Work units of a step that may go into finding where the surfaces are near. As long as half of that is enough to
-    /// traverse both ball trees, nothing is left to chance; else features are tracked and new ones sampled. unlimited:
-    /// always traversed.
-    std::uint64_t searchWork = 256;
+    /// traverse both ball trees, nothing is left to chance; else what was not reached is sampled, and features are
+    /// tracked. unlimited: always traversed.
+    std::uint64_t searchWork = 4096;
     std::uint64_t seed = 1;  ///< of the samples
     std::uint64_t pair = 0;  ///< of the two bodies, see `pairKey`
 };
@@ -70,7 +70,6 @@ struct PairState {
     std::uint64_t step = 0;
     /// Method::scf: the features that are followed; refers to the models' `features`.
     std::optional<Tracker> tracker;
-    std::uint32_t samplingLeft = 0;  ///< steps before the ball trees are traversed again
 };
 
 struct PairResult {

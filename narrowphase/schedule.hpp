@@ -19,6 +19,9 @@ inline constexpr std::uint64_t mandatorySlice = 8;
 /// the rest finds a contact where two surfaces first touch in nine cases of ten.
 inline constexpr std::uint64_t searchSlice = 24;
 
+/// The same by scf, which needs up to 17 units to look into two leaves.
+inline constexpr std::uint64_t featureSlice = 96;
+
 /// What is left beyond the mandatory slices is dealt out in portions of so many work units.
 inline constexpr std::uint64_t slicePortion = 8;
 

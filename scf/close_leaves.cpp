@@ -1,8 +1,10 @@
 #include <grapeshot/scf/close_leaves.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include <grapeshot/scf/detail/meter.hpp>
 #include <grapeshot/scf/detail/pair_space.hpp>
@@ -13,9 +15,22 @@ namespace grapeshot {
 using detail::BallPair;
 using detail::PosedTree;
 
+namespace {
+
+struct Item {
+    float priority = 0;
+    BallPair pair;
+};
+
+bool isLater(const Item& x, const Item& y) {
+    return std::tuple(x.priority, x.pair.a, x.pair.b) < std::tuple(y.priority, y.pair.a, y.pair.b);
+}
+
+}  // namespace
+
 struct CloseLeafSearch::Workspace {
     std::optional<PosedTree> a, b;
-    std::vector<BallPair> stack;
+    std::vector<Item> heap;
 };
 
 CloseLeafSearch::CloseLeafSearch() : m_workspace(std::make_unique<Workspace>()) {}
@@ -24,6 +39,7 @@ CloseLeafSearch::~CloseLeafSearch() = default;
 namespace {
 
 constexpr std::uint64_t mostOfTwoLeaves = 17;  // units
+constexpr float byChance = 0.9F;               // share of the priority
 
 /// False: the state cannot be used.
 bool place(std::optional<PosedTree>& posed, const BallTree& tree, const SurfaceState& state) {
@@ -38,7 +54,7 @@ bool place(std::optional<PosedTree>& posed, const BallTree& tree, const SurfaceS
 
 CloseLeafResult CloseLeafSearch::find(const BallTree& a, const SurfaceState& stateA, const BallTree& b,
                                       const SurfaceState& stateB, float maxDistance, const Budget& budget,
-                                      std::vector<CloseLeaves>& out) {
+                                      const RandomKey& order, std::vector<CloseLeaves>& out) {
     out.clear();
     CloseLeafResult result;
     Workspace& w = *m_workspace;
@@ -47,17 +63,24 @@ CloseLeafResult CloseLeafSearch::find(const BallTree& a, const SurfaceState& sta
     }
     const detail::PairSpace space{&*w.a, &*w.b, maxDistance, -1};
     detail::Meter meter(budget);
-    w.stack.assign(1, {0, 0});
+    // Without a budget the order is nobody's business, and a stack is cheaper.
+    const bool ordered = !meter.isUnlimited();
+    std::uint32_t draw = 0;
+    w.heap.assign(1, {1, {0, 0}});
     detail::ChildPairs children;
-    while (!w.stack.empty()) {
-        const BallPair pair = w.stack.back();
-        const bool leaves = isBallLeaf(pair.a) && isBallLeaf(pair.b);
+    float weight[16];
+    while (!w.heap.empty()) {
+        const Item item = ordered ? w.heap.front() : w.heap.back();
+        const bool leaves = isBallLeaf(item.pair.a) && isBallLeaf(item.pair.b);
         if (meter.left(result.work) < (leaves ? mostOfTwoLeaves : 1)) {
             break;
         }
-        w.stack.pop_back();
+        if (ordered) {
+            std::pop_heap(w.heap.begin(), w.heap.end(), isLater);
+        }
+        w.heap.pop_back();
         if (leaves) {
-            CloseLeaves close{ballIndex(pair.a), ballIndex(pair.b), {}};
+            CloseLeaves close{ballIndex(item.pair.a), ballIndex(item.pair.b), {}};
             result.work +=
                 detail::closeRows(w.a->leaf(close.leafA), w.b->leaf(close.leafB), maxDistance, -1, close.row);
             std::uint32_t any = 0;
@@ -69,12 +92,20 @@ CloseLeafResult CloseLeafSearch::find(const BallTree& a, const SurfaceState& sta
             }
             continue;
         }
-        result.work += space.expand(pair, children, nullptr);
+        result.work += space.expand(item.pair, children, ordered ? &weight : nullptr);
         for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
-            w.stack.push_back(children.at(static_cast<unsigned>(std::countr_zero(left))));
+            const auto lane = static_cast<unsigned>(std::countr_zero(left));
+            Item next{0, children.at(lane)};
+            if (ordered) {
+                next.priority = weight[lane] * (1 - byChance + byChance * randomUnit(order, draw++));
+                w.heap.push_back(next);
+                std::push_heap(w.heap.begin(), w.heap.end(), isLater);
+            } else {
+                w.heap.push_back(next);
+            }
         }
     }
-    result.complete = w.stack.empty() && w.a->isFinite() && w.b->isFinite();
+    result.complete = w.heap.empty() && w.a->isFinite() && w.b->isFinite();
     return result;
 }
 

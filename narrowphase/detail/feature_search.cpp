@@ -6,8 +6,6 @@
 namespace grapeshot::detail {
 namespace {
 
-/// Between two tries to traverse both trees, after one that took too long.
-constexpr std::uint32_t stepsBetweenTries = 8;
 /// A step of the tracker may exceed its budget by so much.
 constexpr std::uint64_t trackerExcess = 40;
 /// Work units of a step of the tracker below which nothing new is found.
@@ -39,24 +37,7 @@ TrackSettings trackSettings(const PairSettings& settings) {
     return track;
 }
 
-/// The exact traversal, within so much. True if it got to the end; the candidates are then those of this pose.
-bool listCandidates(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
-                    const Budget& budget, Purse& purse, PairState& state, PairSearch& s) {
-    const float reach = settings.maxDistance + slackNow(a, b, bInA, settings, state);
-    forgetCandidates(state);
-    std::uint64_t work = 0;
-    const bool complete = closeLeafPairs(a, b, bInA, reach, budget, s, state.candidates, work);
-    purse.pay(work);
-    if (!complete) {
-        state.candidates.clear();
-        return false;
-    }
-    state.candidatePose = bInA;
-    state.candidateDistance = reach;
-    return true;
-}
-
-/// Features from step to step, and from each all that hangs together with it.
+/// Features from step to step; from each, and from what the traversal has found, all that hangs together with it.
 bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Budget share,
            Purse& purse, PairState& state, PairResult& result, PairSearch& s) {
     result.sampled = true;
@@ -65,6 +46,9 @@ bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairS
     s.walk.start(a, b);
     for (const LeafPair& witness : s.witnesses) {
         s.walk.seed(witness);
+    }
+    for (const LeafPair& pair : s.leafPairs.pairs) {
+        s.walk.seed(pair);
     }
     if (share.work < trackerExcess + leastTracking) {
         static_cast<void>(s.walk.run(purse, s.local));
@@ -86,9 +70,9 @@ bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairS
 }  // namespace
 
 bool closeLeafPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, float reach, const Budget& budget,
-                    PairSearch& s, std::vector<LeafPair>& out, std::uint64_t& work) {
+                    const RandomKey& order, PairSearch& s, std::vector<LeafPair>& out, std::uint64_t& work) {
     const CloseLeafResult found = s.closeLeaves.find(a.features->balls, stateOf(a, nullptr), b.features->balls,
-                                                     stateOf(b, &bInA), reach, budget, s.close);
+                                                     stateOf(b, &bInA), reach, budget, order, s.close);
     work = found.work;
     out.clear();
     for (const CloseLeaves& close : s.close) {
@@ -124,15 +108,27 @@ bool searchFeatures(const MeshModel& a, const MeshModel& b, const Pose& bInA, co
     if (!purse.isUnlimited()) {
         share.work = std::min(share.work, purse.left().work / 2);  // what is found wants to be tested
     }
-    share.work = share.work == unlimited ? unlimited : share.work / 2;
-    if (share.work == unlimited || state.samplingLeft == 0) {
-        if (listCandidates(a, b, bInA, settings, share, purse, state, s)) {
-            return testCandidates(purse, state, s);
+    Budget ofTraversal = share;
+    if (share.work != unlimited) {
+        share.work /= 2;
+        if (share.work < trackerExcess + leastTracking) {
+            share.work = 0;
+        } else {
+            ofTraversal.work = share.work;
         }
-        state.samplingLeft = stepsBetweenTries;
     }
-    --state.samplingLeft;
+    const float reach = settings.maxDistance + slackNow(a, b, bInA, settings, state);
     forgetCandidates(state);
+    std::uint64_t work = 0;
+    const RandomKey order{settings.features.seed, settings.features.pair, state.step};
+    const bool complete = closeLeafPairs(a, b, bInA, reach, ofTraversal, order, s, s.leafPairs.pairs, work);
+    purse.pay(work);
+    if (complete) {
+        state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
+        state.candidatePose = bInA;
+        state.candidateDistance = reach;
+        return testCandidates(purse, state, s);
+    }
     share.time = purse.left().time;
     return track(a, b, bInA, settings, share, purse, state, result, s);
 }

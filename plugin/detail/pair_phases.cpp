@@ -154,10 +154,15 @@ std::uint64_t PairProcessor::wanted() const {
 }
 
 std::uint64_t PairProcessor::mandatoryOf(const PairShapes& shapes, const PairTask& task) const {
-    if (m_contacts.touches()) {
-        return m_cutShort ? searchSlice : mandatorySlice;
+    const bool features = m_context->settings.method == Method::scf && shapes.modelB;
+    if (m_contacts.touches() && !m_cutShort) {
+        return mandatorySlice;
     }
-    return searchSlice + (sweptMotion(shapes, task) > 0 ? sweepSlice : 0);
+    const std::uint64_t search = features ? featureSlice : searchSlice;
+    if (m_contacts.touches()) {
+        return search;
+    }
+    return search + (sweptMotion(shapes, task) > 0 ? sweepSlice : 0);
 }
 
 PairTraits PairProcessor::traits() const {

@@ -39,9 +39,9 @@ std::vector<Way> ways() {
     all[1] = {"scf", {}};
     all[1].settings.method = Method::scf;
     all[2] = {"automatic", {}};
-    // So little that whatever touches in more than a few places is sampled.
+    // So little that whatever is tangled is sampled.
     all[3] = {"scf, sampled", all[1].settings};
-    all[3].settings.searchWork = 160;
+    all[3].settings.searchWork = 512;
     return all;
 }
 constexpr std::size_t automaticWay = 2;

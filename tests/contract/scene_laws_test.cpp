@@ -101,20 +101,27 @@ TEST(SceneLaws, ABudgetOfWorkGivesTheSameBytesToo) {
     limitInstructionSet(InstructionSet::avx512);
 }
 
-TEST(SceneLaws, ABudgetOfTheFrameGivesTheSameBytesWhateverTheThreadsAndTheInstructionSet) {
+class BudgetedScene : public testing::TestWithParam<Method> {};
+
+TEST_P(BudgetedScene, GivesTheSameBytesWhateverTheThreadsAndTheInstructionSet) {
     WorldSettings settings;
-    settings.settings.frameBudget.work = 250;
+    settings.settings.method = GetParam();
+    settings.settings.frameBudget.work = GetParam() == Method::scf ? 2500 : 250;
     World first = makeScene(settings);
     int degraded = 0;
+    int tracked = 0;
     std::vector<Frame> reference;
     for (int i = 0; i < steps; ++i) {
         first.step();
         const StepStatistics& step = statistics(&first.dispatcher());
         EXPECT_LE(step.work, std::max(step.budget, step.mandatory));
         degraded += step.degraded;
+        tracked += step.tracked;
+        EXPECT_EQ(step.leftToAdb, 0);
         reference.push_back(first.poses());
     }
     EXPECT_GT(degraded, 20) << "the budget is never felt";
+    EXPECT_EQ(tracked > 0, GetParam() == Method::scf);
     for (std::size_t body = 1; body <= bodies; ++body) {
         EXPECT_GT(reference.back()[body].translation.y(), 0) << "body " << body << " has fallen";
     }
@@ -128,6 +135,43 @@ TEST(SceneLaws, ABudgetOfTheFrameGivesTheSameBytesWhateverTheThreadsAndTheInstru
         }
     }
     limitInstructionSet(best);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, BudgetedScene, testing::Values(Method::automatic, Method::scf),
+                         [](const auto& method) { return std::string(name(method.param)); });
+
+TEST(SceneLaws, EveryMethodGivesTheSameBytesIfNothingIsLeftOut) {
+    World first = makeScene();
+    const std::vector<Frame> reference = run(first);
+    for (const Method method : {Method::adb, Method::scf}) {
+        WorldSettings settings;
+        settings.settings.method = method;
+        settings.settings.searchWork = unlimited;
+        World world = makeScene(settings);
+        EXPECT_TRUE(same(run(world), reference)) << name(method);
+    }
+}
+
+TEST(SceneLaws, SamplesAreTheSameInEveryRunAndOthersWithAnotherSeed) {
+    WorldSettings settings;
+    settings.settings.method = Method::scf;
+    settings.settings.searchWork = 160;
+    World first = makeScene(settings);
+    int sampled = 0;
+    std::vector<Frame> reference;
+    for (int i = 0; i < steps; ++i) {
+        first.step();
+        sampled += statistics(&first.dispatcher()).sampled;
+        reference.push_back(first.poses());
+    }
+    EXPECT_GT(sampled, 20) << "nothing is ever sampled";
+    const InstructionSet best = limitInstructionSet(InstructionSet::scalar);
+    World again = makeScene(settings);
+    EXPECT_TRUE(same(run(again), reference));
+    limitInstructionSet(best);
+    settings.settings.seed = 2;
+    World other = makeScene(settings);
+    EXPECT_FALSE(same(run(other), reference));
 }
 
 TEST(SceneLaws, TwoScenesInTurnsDoNotMeetEachOther) {

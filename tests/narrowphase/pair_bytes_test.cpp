@@ -78,7 +78,7 @@ TEST_F(SavedPairState, FeaturesAreLeftOutWhereAMeshHasNone) {
     PairState loaded = loadPairState(in, {&a, &plain});
     EXPECT_FALSE(loaded.tracker);
     EXPECT_EQ(update(a, plain, poseAt(5), settings, {}, loaded).method, Method::adb);
-    bytes[bytes.size() - 8] ^= std::byte{1};  // within the tracker's
+    bytes[bytes.size() - 4] ^= std::byte{1};  // within the tracker's
     ByteReader damaged(bytes);
     EXPECT_THROW((void)loadPairState(damaged, {&a, &b}), Error);
 }

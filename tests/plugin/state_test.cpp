@@ -141,6 +141,15 @@ TEST(State, GoesOnWithTheSameBytesOnTheTreesOfBulletsBroadphase) {
     expectSameAfter<btDbvtBroadphase>({}, 100, 150);
 }
 
+TEST(State, GoesOnWithTheSameBytesByScfWithWhatItTracks) {
+    Settings settings;
+    settings.method = Method::scf;
+    settings.searchWork = 200;
+    expectSameAfter<btSimpleBroadphase>(settings, 100, 60);
+    settings.frameBudget.work = 1500;
+    expectSameAfter<btSimpleBroadphase>(settings, 100, 60);
+}
+
 TEST(State, GoesOnOnAnotherNumberOfThreads) {
     SavedScene scene;
     Settings settings;

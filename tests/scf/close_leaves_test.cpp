@@ -55,7 +55,7 @@ TEST(CloseLeaves, HoldAllPairsWithinTheDistanceAtRestAndDeformed) {
                 moved.stretch = Stretch::given(1.2F);
             }
             // Both bodies have the same tree.
-            const CloseLeafResult result = search.find(tree, rigidState(), tree, moved, reach, {}, leaves);
+            const CloseLeafResult result = search.find(tree, rigidState(), tree, moved, reach, {}, {}, leaves);
             EXPECT_TRUE(result.complete);
             EXPECT_GT(result.work, 0U);
             const std::vector<TrianglePair> found = trianglesOf(tree, tree, leaves);
@@ -81,10 +81,10 @@ TEST(CloseLeaves, StayWithinTheBudgetAndSayWhenItEnds) {
     CloseLeafSearch search;
     std::vector<CloseLeaves> all;
     std::vector<CloseLeaves> some;
-    const CloseLeafResult whole = search.find(tree, rigidState(), tree, moved, 0.05F, {}, all);
+    const CloseLeafResult whole = search.find(tree, rigidState(), tree, moved, 0.05F, {}, {}, all);
     ASSERT_GT(all.size(), 10U);
     for (std::uint64_t work = 0; work <= whole.work + 17; work += 5) {
-        const CloseLeafResult result = search.find(tree, rigidState(), tree, moved, 0.05F, {.work = work}, some);
+        const CloseLeafResult result = search.find(tree, rigidState(), tree, moved, 0.05F, {.work = work}, {1, 2, work}, some);
         EXPECT_LE(result.work, work);
         EXPECT_LE(some.size(), all.size());
         EXPECT_EQ(result.complete && result.work == whole.work, result.complete);
@@ -101,7 +101,7 @@ TEST(CloseLeaves, AreTheSameOnEveryInstructionSet) {
     for (const InstructionSet set : instructionSets()) {
         limitInstructionSet(set);
         std::vector<CloseLeaves> leaves;
-        static_cast<void>(CloseLeafSearch().find(tree, rigidState(), tree, moved, 0.05F, {}, leaves));
+        static_cast<void>(CloseLeafSearch().find(tree, rigidState(), tree, moved, 0.05F, {.work = 300}, {}, leaves));
         const std::vector<TrianglePair> found = trianglesOf(tree, tree, leaves);
         first = first.empty() ? found : first;
         EXPECT_EQ(found, first);
@@ -118,16 +118,16 @@ TEST(CloseLeaves, OfWhatCannotBeUsedThereAreNone) {
     std::vector<CloseLeaves> leaves;
     CloseLeafSearch search;
     for (const SurfaceState& bad : {other, turned}) {
-        EXPECT_FALSE(search.find(tree, rigidState(), tree, bad, 0.1F, {}, leaves).complete);
+        EXPECT_FALSE(search.find(tree, rigidState(), tree, bad, 0.1F, {}, {}, leaves).complete);
         EXPECT_TRUE(leaves.empty());
     }
     for (const float distance : {-1.0F, std::numeric_limits<float>::quiet_NaN()}) {
-        EXPECT_FALSE(search.find(tree, rigidState(), tree, rigidState(), distance, {}, leaves).complete);
+        EXPECT_FALSE(search.find(tree, rigidState(), tree, rigidState(), distance, {}, {}, leaves).complete);
     }
     std::vector<Eigen::Vector3f> broken = tree.surface.rest;
     std::ranges::fill(broken, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
     other.positions = broken;
-    EXPECT_FALSE(search.find(tree, rigidState(), tree, other, 0.1F, {}, leaves).complete);
+    EXPECT_FALSE(search.find(tree, rigidState(), tree, other, 0.1F, {}, {}, leaves).complete);
 }
 
 }  // namespace
