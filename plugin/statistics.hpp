@@ -31,16 +31,13 @@ struct PairStatistics {
     Method method = Method::adb;       ///< whose trees served it: adb or scf
     bool sampled = false;              ///< by scf, whose features were tracked and sampled
     bool leftToAdb = false;            ///< asked of scf, but for want of ball trees served by adb
-    /// Of a sampled pair: pairs of pieces of both surfaces that touch and where nothing was found, bound at 95 %;
+    /// Of sampled pairs, soft ones too: 95 % bound on the contact cells (see MissEstimate) that were not found;
     /// infinite if the budget ended before it was known.
     double missBound = 0;
     bool traversed = false;                      ///< the trees were traversed, candidates collected anew
     bool refreshed = false;                      ///< known contacts were brought up to date, see Settings::reuse
     StopReason stop = StopReason::invalidInput;  ///< invalidInput: refused, no contacts
     bool soft = false;                           ///< one of them is a soft body; `speculative`: what would pass through
-    /// Of soft pairs: 95 % bound on the contact cells (see MissEstimate) that were not found; 0 if certain, infinite if
-    /// nobody knows.
-    double missBound = 0;
 };
 
 /// Pairs of two kinds of shapes that were taken, by BroadphaseNativeTypes, the smaller one first.
