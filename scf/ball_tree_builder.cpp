@@ -161,11 +161,11 @@ class Builder {
             }
             center += (far - center) / (i + 6);
         }
-        const Eigen::Vector3f rounded = best.cast<float>();
         for (int axis = 0; axis < 3; ++axis) {
-            own.plainCenter[axis] = rounded[axis];
+            own.plainCenter[axis] = static_cast<float>(best[axis]);
         }
-        own.plainRadius = std::nextafter(static_cast<float>(farthestFrom(rounded.cast<double>(), far)),
+        // The centre was rounded.
+        own.plainRadius = std::nextafter(static_cast<float>(radius + 0x1p-23 * best.cwiseAbs().maxCoeff()),
                                          std::numeric_limits<float>::infinity());
     }
 

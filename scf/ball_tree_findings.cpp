@@ -121,8 +121,10 @@ class Inspector {
         const Eigen::Vector3d center(balls.center[0][slot], balls.center[1][slot], balls.center[2][slot]);
         for (const std::uint32_t t : part) {
             for (const std::uint32_t v : m_tree.surface.triangles[t]) {
-                if ((m_tree.surface.rest[v].cast<double>() - center).norm() > static_cast<double>(balls.radius[slot])) {
-                    say(name + ": a corner is outside the plain ball");
+                const double distance = (m_tree.surface.rest[v].cast<double>() - center).norm();
+                if (distance > static_cast<double>(balls.radius[slot])) {
+                    say(name + ": a corner is outside the plain ball, " + std::to_string(distance) + " of " +
+                        std::to_string(balls.radius[slot]));
                     return;
                 }
             }
