@@ -12,7 +12,7 @@ namespace {
 
 bool areUsable(const DepthSettings& settings, std::span<const TrackedContact> contacts,
                std::span<const ContactSides> sides, const DepthMemory& memory, const BallTree& a, const BallTree& b) {
-    if (!(settings.spacing > 0) || !std::isfinite(settings.spacing) ||
+    if (!(settings.spacing >= 0) || !std::isfinite(settings.spacing) ||
         (!sides.empty() && sides.size() != contacts.size())) {
         return false;
     }

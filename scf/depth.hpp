@@ -30,7 +30,10 @@
 namespace grapeshot {
 
 struct DepthSettings {
-    /// m, > 0: cuts whose contacts are at most so far apart are one region. About twice the tracker's spacing.
+    /// m, >= 0: cuts whose contacts are at most so far apart are one region; of contacts that were sampled about twice
+    /// the tracker's spacing. 0: all overlapping pairs were given (TrackMode::exact), and those that share a vertex on
+    /// both surfaces are one region: none is taken for a part of another. A summit before is then known again if the
+    /// cut has moved by no more than a triangle.
     float spacing = 0.1F;
     /// Solids: is a piece of one that no contact cuts inside the other? Costs a search per piece whose vertex is in the
     /// box around the other.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numeric>
 
 namespace grapeshot::detail {
 namespace {
@@ -77,6 +78,10 @@ bool DepthStep::place() {
     }
     const auto count = static_cast<std::uint32_t>(m_scratch.points.size());
     m_scratch.isTaken.assign(count, 0);
+    if (m_settings.spacing == 0) {
+        joinAlongCuts();
+        return true;
+    }
     m_scratch.grid.reset(count, m_settings.spacing);
     for (std::uint32_t i = count; i-- > 0;) {
         m_scratch.grid.insert(i, m_scratch.points[i]);
@@ -84,8 +89,94 @@ bool DepthStep::place() {
     return true;
 }
 
+std::uint32_t DepthStep::rootOf(std::uint32_t point) {
+    std::vector<std::uint32_t>& root = m_scratch.root;
+    while (root[point] != point) {
+        point = root[point] = root[root[point]];
+    }
+    return point;
+}
+
+/// The lowest point stands for its component.
+void DepthStep::join(std::uint32_t first, std::uint32_t second) {
+    first = rootOf(first);
+    second = rootOf(second);
+    m_scratch.root[std::max(first, second)] = std::min(first, second);
+}
+
+void DepthStep::markCutPieces(bool ofA) {
+    const DepthBody& body = ofA ? m_bodyA : m_bodyB;
+    const Surface& surface = (ofA ? m_a : m_b).tree().tree().surface;
+    std::vector<char>& isCut = ofA ? m_scratch.isCutA : m_scratch.isCutB;
+    isCut.assign(body.pieceAt.size(), 0);
+    for (const std::uint32_t index : m_scratch.cuts) {
+        const TrianglePair& pair = m_contacts[index].pair;
+        const Triangle& triangle = surface.triangles[ofA ? pair.triangleA : pair.triangleB];
+        isCut[body.pieceOf[body.topology.welded[triangle[0]]]] = 1;
+    }
+}
+
+void DepthStep::joinAlongCuts() {
+    DepthScratch& scratch = m_scratch;
+    scratch.root.resize(scratch.points.size());
+    std::iota(scratch.root.begin(), scratch.root.end(), 0U);
+    scratch.cutAt.clear();
+    scratch.cutAtA.clear();
+    const std::vector<Triangle>& trianglesA = m_a.tree().tree().surface.triangles;
+    const std::vector<Triangle>& trianglesB = m_b.tree().tree().surface.triangles;
+    const auto cuts = static_cast<std::uint32_t>(scratch.cuts.size());
+    for (std::uint32_t i = 0; i < cuts; ++i) {
+        const TrianglePair& pair = m_contacts[scratch.cuts[i]].pair;
+        for (const std::uint32_t v : trianglesA[pair.triangleA]) {
+            const std::uint64_t vertexA = m_bodyA.topology.welded[v];
+            scratch.cutAtA.insert(vertexA, i);
+            for (const std::uint32_t w : trianglesB[pair.triangleB]) {
+                const auto entry = scratch.cutAt.insert(vertexA << 32U | m_bodyB.topology.welded[w], i);
+                if (!entry.isNew) {
+                    join(entry.value, i);
+                }
+            }
+        }
+    }
+    markCutPieces(true);
+    markCutPieces(false);
+    for (std::uint32_t k = 0; k < m_before->summits.size(); ++k) {
+        const DepthMemory::Summit& summit = m_before->summits[k];
+        bool isKnown = false;
+        for (std::uint32_t i = 0; i < summit.anchors.size(); ++i) {
+            const std::uint32_t point = cuts + 4 * k + i;
+            scratch.isTaken[point] = 1;
+            for (const std::uint32_t v : trianglesA[summit.anchors[i]]) {
+                if (const std::uint32_t* cut = scratch.cutAtA.find(m_bodyA.topology.welded[v])) {
+                    join(*cut, point);
+                    scratch.isTaken[point] = 0;
+                    isKnown = true;
+                    break;
+                }
+            }
+        }
+        const DepthBody& body = summit.isOfA ? m_bodyA : m_bodyB;
+        const std::uint32_t piece = body.pieceOf[body.topology.welded[summit.vertex]];
+        // Of a piece that is cut elsewhere it may be part of a region that is found from there.
+        if (!isKnown && (summit.isOfA ? scratch.isCutA : scratch.isCutB)[piece] == 0) {
+            scratch.isTaken[cuts + 4 * k] = 0;
+        }
+    }
+}
+
 void DepthStep::collect(std::uint32_t seed) {
     std::vector<std::uint32_t>& group = m_scratch.group;
+    if (m_settings.spacing == 0) {
+        group.clear();
+        const std::uint32_t root = rootOf(seed);
+        for (std::uint32_t i = seed; i < m_scratch.points.size(); ++i) {
+            if (m_scratch.isTaken[i] == 0 && rootOf(i) == root) {
+                m_scratch.isTaken[i] = 1;
+                group.push_back(i);
+            }
+        }
+        return;
+    }
     group.assign(1, seed);
     m_scratch.isTaken[seed] = 1;
     m_scratch.open.assign(1, seed);
@@ -245,13 +336,8 @@ void DepthStep::measureContained(bool ofA) {
     if (!outer.isSolid) {
         return;
     }
+    markCutPieces(ofA);
     std::vector<char>& isCut = ofA ? m_scratch.isCutA : m_scratch.isCutB;
-    isCut.assign(body.pieceAt.size(), 0);
-    for (const std::uint32_t index : m_scratch.cuts) {
-        const TrianglePair& pair = m_contacts[index].pair;
-        const std::uint32_t triangle = ofA ? pair.triangleA : pair.triangleB;
-        isCut[body.pieceOf[body.topology.welded[from.tree().tree().surface.triangles[triangle][0]]]] = 1;
-    }
     for (const DepthRegion& region : m_out->regions) {
         if (region.source == (ofA ? DepthSource::vertexOfA : DepthSource::vertexOfB)) {
             isCut[body.pieceOf[region.vertex]] = 1;

@@ -10,6 +10,7 @@
 #include <grapeshot/core/topology.hpp>
 #include <grapeshot/scf/depth.hpp>
 #include <grapeshot/scf/detail/depth_climb.hpp>
+#include <grapeshot/scf/detail/key_map.hpp>
 #include <grapeshot/scf/detail/meter.hpp>
 
 namespace grapeshot::detail {
@@ -35,6 +36,8 @@ struct DepthScratch {
     std::vector<char> isTaken;
     std::vector<ClimbStart> starts;
     std::vector<char> isCutA, isCutB;  ///< per piece
+    KeyMap cutAt, cutAtA;              ///< by vertices of both, and of A: a cut
+    std::vector<std::uint32_t> root;   ///< per point: its component
 };
 
 class DepthStep {
@@ -54,6 +57,12 @@ class DepthStep {
   private:
     /// Points of the cuts, and behind them the anchors of the summits before. False: one is not finite.
     [[nodiscard]] bool place();
+    /// Without a spacing: components of cuts that share vertices, and the summits that are known again.
+    void joinAlongCuts();
+    [[nodiscard]] std::uint32_t rootOf(std::uint32_t point);
+    void join(std::uint32_t first, std::uint32_t second);
+    /// Which pieces of a body are cut?
+    void markCutPieces(bool ofA);
     /// Takes all that hang together with a point into the group, ascending.
     void collect(std::uint32_t seed);
     void measureGroup();

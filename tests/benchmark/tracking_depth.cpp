@@ -70,7 +70,7 @@ class DepthScene {
     }
 
     void tally(const Pose& bInA, TrackMode mode, const std::vector<test::TrueRegion>& truth, DepthTally& into) {
-        const DepthSettings settings{.spacing = mode == TrackMode::exact ? spacing : 2 * spacing};
+        const DepthSettings settings{.spacing = mode == TrackMode::exact ? 0 : 2 * spacing};
         const std::vector<TrackedContact> contacts = contactsAt(bInA, mode);
         Pose before = bInA;
         before.translation += stepBefore * bInA.translation.normalized();

@@ -124,6 +124,25 @@ TEST(DepthLaws, FromTheSummitsBeforeTheyAreAsDeepAndCheaper) {
     EXPECT_LT(warm, cold);
 }
 
+TEST(DepthLaws, AlongTheCutsTheyAreFollowedToo) {
+    BumpySolids scene(12);
+    scene.settings.spacing = 0;
+    DepthMemory memory;
+    std::uint32_t oldest = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+        const Pose bInA = BumpySolids::at(5 + frame / 6);  // slow: it moves within triangles
+        const std::vector<TrackedContact> cuts = scene.cutsAt(bInA);
+        const DepthResult fresh = scene.measure(bInA, cuts);
+        const DepthResult followed = scene.follow(bInA, cuts, memory);
+        ASSERT_EQ(fresh.regions.size(), followed.regions.size()) << frame;
+        for (std::size_t i = 0; i < fresh.regions.size(); ++i) {
+            EXPECT_GE(followed.regions[i].depth, 0.99F * fresh.regions[i].depth) << frame;
+            oldest = std::max(oldest, followed.regions[i].age);
+        }
+    }
+    EXPECT_GE(oldest, 5U);
+}
+
 TEST(DepthLaws, ABodyThatHasGoneInAltogetherIsFollowed) {
     const scenes::Mesh outer = scenes::sphere(1, 8);
     const scenes::Mesh inner = scenes::sphere(0.15F, 3);
@@ -236,7 +255,7 @@ TEST(DepthLaws, OddInputIsNamed) {
     };
     EXPECT_EQ(fault({}, cuts, {}), std::nullopt);
     ASSERT_FALSE(memory.summits.empty());
-    EXPECT_EQ(fault({}, cuts, {.spacing = 0}), Fault::badSetting);
+    EXPECT_EQ(fault({}, cuts, {.spacing = -1}), Fault::badSetting);
     EXPECT_EQ(fault({}, cuts, {.spacing = nan}), Fault::badSetting);
     std::vector<ContactSides> sides(cuts.size() - 1);
     EXPECT_EQ(fault({}, cuts, {}, std::vector<ContactSides>(cuts.size() + 1)), Fault::badSetting);

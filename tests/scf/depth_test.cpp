@@ -28,6 +28,7 @@ TEST(Depth, OfEveryKindOfSolidIsTheOracles) {
             continue;
         }
         SolidPair pair(one.mesh, other.mesh);
+        pair.settings.spacing = i % 2 == 0 ? 0 : 0.1F;
         for (std::size_t pose = 0; pose < sampleSize(12, 60); ++pose) {
             const Pose bInA{random.rotation(), static_cast<float>(random.uniform(0.4, 1.1)) * random.direction()};
             const std::vector<TrackedContact> cuts = pair.cutsAt(bInA);
@@ -56,6 +57,29 @@ TEST(Depth, OfEveryKindOfSolidIsTheOracles) {
     EXPECT_GT(regions, 150U);
     EXPECT_LE(static_cast<double>(lost), 0.02 * static_cast<double>(regions)) << lost;
     EXPECT_LE(static_cast<double>(shallow), 0.05 * static_cast<double>(regions)) << shallow;
+}
+
+TEST(Depth, TeethThatAreNearEachOtherAreRegionsOfTheirOwn) {
+    const scenes::Mesh comb = scenes::comb(6, 1, 0.1F, 0.05F, 3);
+    const scenes::Mesh block = scenes::box({2, 0.5F, 2}, 10);
+    SolidPair pair(comb, block);
+    // The teeth hang down into it, some centimetres apart.
+    float lowest = 0;
+    for (const Eigen::Vector3f& vertex : comb.vertices) {
+        lowest = std::min(lowest, vertex[1]);
+    }
+    const Pose below{Eigen::Matrix3f::Identity(), {0.013F, lowest + 0.2F - 0.5F, 0.017F}};
+    const std::vector<TrackedContact> cuts = pair.cutsAt(below);
+    ASSERT_EQ(trueRegions(comb.view(), block.view(), below, pairsOf(cuts)).size(), 6U);
+    pair.settings.spacing = 0;
+    const DepthResult teeth = pair.measure(below, cuts);
+    EXPECT_EQ(teeth.regions.size(), 6U);
+    for (const DepthRegion& region : teeth.regions) {
+        EXPECT_NEAR(region.depth, 0.2F, 1e-4F);
+        EXPECT_GT(region.normal[1], 0.99F);
+    }
+    pair.settings.spacing = 0.3F;
+    EXPECT_EQ(pair.measure(below, cuts).regions.size(), 1U);
 }
 
 TEST(Depth, BothOraclesAgree) {
