@@ -50,6 +50,8 @@ void reportSoftPair(Context& context, const btCollisionObject& first, const btCo
     pair.proxyA = proxyOf(first);
     pair.proxyB = proxyOf(second);
     pair.soft = true;
+    pair.method = Method::scf;
+    pair.sampled = budget.work != unlimited || budget.time != never;
     pair.work = result.near.work;
     pair.slice = budget.work;
     pair.candidates = static_cast<std::uint32_t>(result.pairs);
