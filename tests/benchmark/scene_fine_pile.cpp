@@ -35,7 +35,8 @@ void runFinePile(const Options& options, report::Report& results) {
         settings.margin = margin;
         settings.trianglesPerBody = 20000;
         double fall = 3;  // s; most have landed, few are at rest
-        Course course{.scenario = "pile_20k, " + atMargin(margin), .seconds = 2.0 / 3, .frameSeconds = 1.0 / 12};
+        Course course{
+            .scenario = "pile_20k, " + atMargin(margin), .seconds = 2.0 / 3, .frameSeconds = 1.0 / 12, .coldSteps = 1};
         if (options.quick) {
             settings.bodies = 9;
             settings.trianglesPerBody = 2000;
@@ -48,17 +49,15 @@ void runFinePile(const Options& options, report::Report& results) {
         for (double time = 0; time < fall; time += landed.settings().timeStep) {
             landed.step();
         }
-        const std::vector<Outcome> outcomes =
-            runInTurns(course, methods, [&](const scenes::WorldSettings& method) {
-                scenes::World world = makePile(method, settings);
-                copyMotion(landed, world);
-                return world;
-            });
+        const std::vector<Outcome> outcomes = runInTurns(course, methods, [&](const scenes::WorldSettings& method) {
+            scenes::World world = makePile(method, settings);
+            copyMotion(landed, world);
+            return world;
+        });
         const std::vector<Quality> qualities = addRows("pile_20k", atMargin(margin), outcomes, "gimpact", results);
         Claims claims(course.scenario, results);
         claims.atMost("bodies lost", qualities.front().lost, 0);
-        claims.atLeast("mean contacts of a step", meanContacts(outcomes.front().recorder.run()),
-                       settings.bodies / 4.0);
+        claims.atLeast("mean contacts of a step", meanContacts(outcomes.front().recorder.run()), settings.bodies / 4.0);
         if (!options.quick) {
             claims.atLeast("GImpact's narrowphase time / ours", narrowphaseRatio(outcomes[1], outcomes[0]), 100);
         }

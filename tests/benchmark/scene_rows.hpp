@@ -26,8 +26,8 @@ inline constexpr std::array sceneMargins{0.02, 0.04};
                                 const Quality& quality);
 
 /// Adds a row for each and returns what was judged. Ratios are to the method of that name, if it is among them.
-std::vector<Quality> addRows(const std::string& scenario, const std::string& mesh,
-                             const std::vector<Outcome>& outcomes, const std::string& peer, report::Report& results);
+std::vector<Quality> addRows(const std::string& scenario, const std::string& mesh, const std::vector<Outcome>& outcomes,
+                             const std::string& peer, report::Report& results);
 
 /// Adds claims that begin alike.
 class Claims {

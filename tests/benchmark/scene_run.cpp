@@ -90,8 +90,9 @@ std::vector<Outcome> runInTurns(const Course& course, const std::vector<SceneMet
     std::vector<Outcome> outcomes;
     std::vector<Recorder> first = runOnce(course, all, make);
     for (std::size_t i = 0; i < methods.size(); ++i) {
-        const double total = sum(first[i].run().narrowphaseUs);
-        outcomes.push_back({methods[i], std::move(first[i]), course.restSeconds, {total}, 0});
+        const std::vector<double> times = first[i].run().narrowphaseUs;
+        outcomes.push_back(
+            {methods[i], std::move(first[i]), course.restSeconds, course.coldSteps, times, {sum(times)}, 0});
     }
     for (int run = 1; run < most; ++run) {
         std::vector<const SceneMethod*> again;
@@ -123,11 +124,13 @@ std::size_t stepsAwake(const Run& run) {
 
 double narrowphaseRatio(const Outcome& of, const Outcome& to) {
     // Steps in which all sleep cost next to nothing, but may be many.
-    const auto ofStep = [](const Outcome& outcome) {
-        return outcome.narrowphaseTotalsUs.front() /
-               static_cast<double>(std::max<std::size_t>(1, stepsAwake(outcome.recorder.run())));
+    const auto meanUs = [](const Outcome& outcome) {
+        const std::size_t end = stepsAwake(outcome.recorder.run());
+        const std::size_t begin = std::min(outcome.coldSteps, end);
+        const double time = sum(outcome.firstNarrowphaseUs, end) - sum(outcome.firstNarrowphaseUs, begin);
+        return time / static_cast<double>(std::max<std::size_t>(1, end - begin));
     };
-    return ofStep(of) / ofStep(to);
+    return meanUs(of) / meanUs(to);
 }
 
 double awakeMeanUs(const Run& run, const std::vector<double>& timesUs) {

@@ -59,6 +59,7 @@ struct Course {
     double seconds = 10;
     double frameSeconds = 1.0 / 4;  ///< between saved poses
     double restSeconds = 1;         ///< at the end, in which nothing should move any more
+    std::size_t coldSteps = 0;      ///< at the beginning, not counted in ratios: bodies touch, and no contact is known
     bool progress = true;           ///< a line per second on stderr
 };
 
@@ -67,7 +68,9 @@ struct Outcome {
     SceneMethod method;
     Recorder recorder;
     double restSeconds = 1;                   ///< as in the course
-    std::vector<double> narrowphaseTotalsUs;  ///< of every replay
+    std::size_t coldSteps = 0;                ///< the same
+    std::vector<double> firstNarrowphaseUs;   ///< per step, of the first, common run
+    std::vector<double> narrowphaseTotalsUs;  ///< of every run
     int differing = 0;                        ///< replays of other poses
 };
 
@@ -79,7 +82,7 @@ struct Outcome {
 /// Steps until all fell asleep for good.
 [[nodiscard]] std::size_t stepsAwake(const Run& run);
 
-/// Time of one's step / time of the other's in the first, common run, both while anybody is awake in it.
+/// Time of one's step / time of the other's in the first, common run, both means while anybody is awake in it.
 [[nodiscard]] double narrowphaseRatio(const Outcome& of, const Outcome& to);
 
 /// Mean of the steps' least times while anybody is awake, us.
