@@ -115,7 +115,7 @@ void runAt(double margin, const Options& options, report::Report& results) {
     for (const double share : shares) {
         const auto budget = static_cast<std::uint64_t>(std::lround(share * full.workMean));
         SceneMethod method = budgeted(grapeshotMethod(1), budget);
-        method.name += " " + shareName(share);
+        method.name.append(" ").append(shareName(share));
         const Quality ours = piles.judged(method);
         Claims claims("budget " + shareName(share) + ", " + atMargin(margin), results);
         claims.atMost("bodies lost", ours.lost, 0);
