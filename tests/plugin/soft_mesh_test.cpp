@@ -147,7 +147,7 @@ TEST(SoftMesh, ASleepingBodyGathersNoContacts) {
     Scene scene;
     scene.world.step(60);
     scene.sheet->forceActivationState(DISABLE_SIMULATION);
-    scene.sheet->m_rcontacts.resize(0);
+    scene.sheet->m_rcontacts.clear();
     scene.ground->forceActivationState(DISABLE_DEACTIVATION);
     scene.world.step(5);
     EXPECT_EQ(scene.sheet->m_rcontacts.size(), 0);
