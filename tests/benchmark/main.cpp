@@ -15,6 +15,7 @@
 #include "options.hpp"
 #include "paper_suite.hpp"
 #include "scene_suite.hpp"
+#include "soft_suite.hpp"
 #include "stochastic_suite.hpp"
 #include "tracking_suite.hpp"
 #include "trees_suite.hpp"
@@ -28,10 +29,11 @@ using Suite = grapeshot::report::Report (*)(const grapeshot::bench::Options&);
 Suite suiteNamed(const std::string& suite) {
     using namespace grapeshot::bench;
     static const std::map<std::string, Suite> suites{
-        {"anytime", runAnytimeSuite},   {"contacts", runContactsSuite}, {"continuous", runContinuousSuite},
-        {"decide", runDecideSuite},     {"fit", runFitSuite},           {"guarantee", runGuaranteeSuite},
-        {"paper", runPaperSuite},       {"scene", runSceneSuite},       {"stochastic", runStochasticSuite},
-        {"tracking", runTrackingSuite}, {"trees", runTreesSuite},       {"workloads", runWorkloadsSuite}};
+        {"anytime", runAnytimeSuite},       {"contacts", runContactsSuite}, {"continuous", runContinuousSuite},
+        {"decide", runDecideSuite},         {"fit", runFitSuite},           {"guarantee", runGuaranteeSuite},
+        {"paper", runPaperSuite},           {"scene", runSceneSuite},       {"soft", runSoftSuite},
+        {"stochastic", runStochasticSuite}, {"tracking", runTrackingSuite}, {"trees", runTreesSuite},
+        {"workloads", runWorkloadsSuite}};
     return suites.at(suite);
 }
 

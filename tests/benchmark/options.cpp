@@ -10,8 +10,8 @@ namespace grapeshot::bench {
 
 namespace {
 
-constexpr std::string_view suites[] = {"anytime", "contacts", "continuous", "decide",   "fit",   "guarantee",
-                                       "paper",   "scene",    "stochastic", "tracking", "trees", "workloads"};
+constexpr std::string_view suites[] = {"anytime", "contacts", "continuous", "decide",   "fit",   "guarantee", "paper",
+                                       "scene",   "soft",     "stochastic", "tracking", "trees", "workloads"};
 
 template <class Number>
 Number number(std::string_view option, std::string_view text, Number low, Number high) {
@@ -111,14 +111,15 @@ std::string usage() {
   guarantee  certificates on fresh poses of unseen meshes, against the exact query; the audit on bodies in motion
   paper      the ADB-tree paper of 2003: error and time per distance, beside the published curves
   scene      Bullet scenes against GImpact, convex hulls and compounds of hulls; what a budget leaves of their quality
+  soft       soft bodies in Bullet, whole step and collision apart, against Bullet's own handlers; who ends up behind whom
   stochastic the stochastic papers of 2004: collisions found after so many steps, beside the published table
   tracking   deforming surfaces: contacts tracked by scf against boxes refitted in every frame; are its bounds true?
   trees      memory, building and refit of the trees against FCL's
   workloads  yes/no as decide does not ask it: unlike pairs, smooth paths, one pose again and again; the slowest of all
 
-  --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, stochastic)
+  --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, soft, stochastic)
   --scenario NAME...    only these scenarios (scene: see below; continuous: needle, rigid, turning,
-                        deforming; tracking: bodies, meetings, self, bound, depth; workloads: work,
+                        deforming; soft: see below; tracking: bodies, meetings, self, bound, depth; workloads: work,
                         unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
                         (decide); fit: the choice of the free parameters
@@ -146,6 +147,12 @@ Scenarios of scene, all with collision margins of 2 and 4 cm unless said otherwi
   haptic_pair                                       two bodies of 20,000 triangles at 1 kHz
   appear                                            a mesh of a million triangles under falling bodies, in mid-run
   methods                                           the same scenes by each Method of the settings
+
+Scenarios of soft, with margins of 2 and 4 cm where soft bodies meet; all if none is named:
+  sheets_1k sheets_10k sheets_70k                   a sheet falls on one that is held, so many triangles each
+  balls_1k balls_10k balls_70k                      two closed surfaces under pressure meet
+  torus small_torus                                 cloth on a torus mesh of 1 m and of 0.1 m for 20 s
+  fold fold_10k fold_70k                            folded cloth falls on itself
 
 Exit code: 0 all claims hold, 1 a claim failed, 2 bad use.
 )";

@@ -18,8 +18,8 @@ struct DistanceRange {
 };
 
 struct Options {
-    std::string suite;  ///< anytime | contacts | decide | fit | guarantee | paper | scene | stochastic | tracking |
-                        ///< trees | workloads
+    std::string suite;  ///< anytime | contacts | decide | fit | guarantee | paper | scene | soft | stochastic |
+                        ///< tracking | trees | workloads
     std::vector<std::string> meshes;     ///< files in place of the generated meshes (not scene; paper: the shown ones)
     std::vector<std::string> scenarios;  ///< only these; empty: all
     bool quick = false;                  ///< a sample: counts are still checked, times are not claimed
