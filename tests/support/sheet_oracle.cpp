@@ -1,5 +1,6 @@
 #include "sheet_oracle.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
