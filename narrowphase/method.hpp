@@ -7,11 +7,12 @@
 namespace grapeshot {
 
 /// Contacts, regions and contact sets mean the same under each; they differ in how the places are found where two
-/// surfaces are near, and in what a budget that ends before does to that.
+/// surfaces are near, and in what is left out if a budget ends before.
 enum class Method : std::uint8_t {
-    automatic,  ///< adb finds and ranks the regions; from what is known the search spreads over the neighbourhood
-    adb,        ///< average-distribution trees, exact triangle tests at the leaves
-    scf,        ///< stochastic closest features: pairs tracked from step to step, new ones sampled; needs a second tree
+    automatic,  ///< the best for the pair, as measured: of rigid meshes adb
+    adb,        ///< average-distribution trees; kept leaf pairs are the features that are followed from step to step
+    scf,        ///< stochastic closest features on ball trees: what is near is sampled where it cannot all be looked at,
+                ///< and tracked; needs a second tree. Depths, bodies in bodies and what is ahead of fast ones ask adb's
 };
 
 [[nodiscard]] constexpr std::string_view name(Method method) noexcept {

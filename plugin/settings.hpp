@@ -19,9 +19,10 @@ struct Settings {
     /// How contacts of mesh pairs are found; see there. Scf builds a ball tree of each mesh too: about 5 us and 160
     /// bytes a triangle more, in one piece when the shape is first met (see prebuild).
     Method method = Method::automatic;
-    /// Method::scf: work units of a step that may go into finding where two meshes are near. What takes more is tracked
-    /// and sampled: such answers are not certain (see PairStatistics::missBound). Larger: fewer of these; smaller:
-    /// cheaper steps where bodies are tangled, and contacts that are found late.
+    /// Method::scf: work units of a step that may go into finding where two meshes are near; half of it is enough for
+    /// most pairs of a pile, and then nothing is left out. What takes more is tracked and sampled: such answers are not
+    /// certain (see PairStatistics::missBound). Larger: fewer of these; smaller: cheaper steps where bodies are
+    /// tangled, and contacts that are found a step late.
     std::uint64_t searchWork = 4096;
     /// Solid: of two closed meshes one inside the other collides. Surface: only where the surfaces meet; a body inside
     /// a hollow one is free.
@@ -30,11 +31,12 @@ struct Settings {
     /// What is cut short keeps its contacts of the last step and goes on in the next. Time gives up reproducibility.
     Budget pairBudget = {};
     /// Of a Dispatcher: most work (or time) that all pairs of a step may cost together, split by importance. Every pair
-    /// gets its mandatory slice: 8 units; 24 (by scf 96) if it was cut short or has no contacts, 88 if it has none and
-    /// may pass through within the step; meshes against planes and convex shapes cannot be cut short. So a step costs
-    /// at most max(budget, sum of these); children of compounds and further dispatches that the last step had not may
-    /// add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the contacts are those
-    /// of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that takes.
+    /// gets its mandatory slice: 8 units; 24 (by scf 96) if it was cut short or has no contacts, and 64 more if it has
+    /// none and may pass through within the step; meshes against planes and convex shapes cannot be cut short. So a
+    /// step costs at most max(budget, sum of these); children of compounds and further dispatches that the last step
+    /// had not may add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the
+    /// contacts are those of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that
+    /// takes.
     Budget frameBudget = {};
     /// Of a Dispatcher: threads that compute contacts, 1..256. The contacts are the same for any number.
     int threads = 1;

@@ -9,7 +9,7 @@
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/random.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
-#include <grapeshot/scf/tracker.hpp>
+#include <grapeshot/scf/surface_state.hpp>
 
 namespace grapeshot {
 
@@ -34,8 +34,9 @@ class CloseLeafSearch {
     CloseLeafSearch& operator=(const CloseLeafSearch&) = delete;
 
     /// Fills `out`; no two of them are the same. Those that overlap most come first, but by chance others before them:
-    /// another key, another order, so that what a budget leaves out in one step is found in the next. Spends no more than the budget: one unit for sixteen pairs of balls,
-    /// up to seventeen for two leaves. Nothing is found of surfaces that are not usable (see TrackResult::fault).
+    /// another key, another order, so that what a budget leaves out in one step is found in the next. Spends no more
+    /// than the budget: one unit for sixteen pairs of balls, up to seventeen for two leaves. Nothing is found of
+    /// surfaces that are not usable (see TrackResult::fault).
     /// @param maxDistance m, >= 0 and finite
     CloseLeafResult find(const BallTree& a, const SurfaceState& stateA, const BallTree& b, const SurfaceState& stateB,
                          float maxDistance, const Budget& budget, const RandomKey& order,

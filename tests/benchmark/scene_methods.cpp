@@ -17,6 +17,7 @@
 #include <support/rest_scenes.hpp>
 
 #include "pile_scene.hpp"
+#include "scene_pairs.hpp"
 #include "scene_regions.hpp"
 
 namespace grapeshot::bench {
@@ -248,6 +249,7 @@ void runMethods(const Options& options, report::Report& results) {
     for (const Scene& scene : all) {
         runScene(scene, options, results);
     }
+    measurePairs(options, results);
     measureMemory(all.front(), results);
 }
 

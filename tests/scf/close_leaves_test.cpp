@@ -6,6 +6,7 @@
 #include <set>
 
 #include <grapeshot/scf/close_leaves.hpp>
+#include <grapeshot/scf/tracker.hpp>
 
 #include <adb/meshes.hpp>
 #include <support/oracle.hpp>
