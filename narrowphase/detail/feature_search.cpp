@@ -51,8 +51,7 @@ bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairS
         s.walk.seed(pair);
     }
     if (share.work < trackerExcess + leastTracking) {
-        static_cast<void>(s.walk.run(purse, s.local));
-        return false;
+        return s.walk.run(purse, s.local) && purse.isUnlimited();
     }
     if (!state.tracker) {
         state.tracker.emplace(a.features->balls, b.features->balls);

@@ -67,7 +67,7 @@ struct Way {
     std::uint64_t searchWork;
 };
 constexpr std::array ways{Way{"Automatic", Method::automatic, unlimited}, Way{"Adb", Method::adb, unlimited},
-                          Way{"Scf", Method::scf, unlimited}, Way{"ScfSampled", Method::scf, 120}};
+                          Way{"Scf", Method::scf, unlimited}, Way{"ScfSampled", Method::scf, 160}};
 constexpr Way sampled = ways[3];
 
 PairSettings settingsOf(const Way& way) {

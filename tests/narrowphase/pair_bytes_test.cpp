@@ -54,7 +54,8 @@ TEST_P(SavedPairByMethod, GoesOnWithTheSameBytesUnderAnyBudget) {
             EXPECT_EQ(found.stop, expected.stop);
             EXPECT_EQ(bytesOf(loaded), bytesOf(whole)) << "work " << work << ", step " << step;
         }
-        EXPECT_TRUE(hasPoints(whole.contacts));
+        // So few units are not enough for scf to look into two leaves.
+        EXPECT_EQ(hasPoints(whole.contacts), GetParam() != Method::scf || work >= 300);
         EXPECT_EQ(searching, GetParam() != Method::scf && work < unlimited);
         EXPECT_EQ(tracking, GetParam() == Method::scf && work >= 300);
     }
