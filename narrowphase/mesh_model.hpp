@@ -72,7 +72,7 @@ struct MeshModel {
 [[nodiscard]] MeshModel makeModel(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0});
 /// Around a tree that is there already.
 [[nodiscard]] MeshModel makeModelOf(Tree tree);
-/// With all that Method::scf needs. About 5 us a triangle more, and 160 bytes.
+/// With all that Method::scf needs. About 5 us a triangle more, and 110 bytes beside 160.
 [[nodiscard]] MeshModel makeTrackedModel(MeshView mesh, const BuildSettings& settings = {.tuningPoses = 0});
 /// What `features` lacks is added. About 5 us a triangle. @throws Error as buildBallTree does
 void addFeatures(MeshModel& model);
