@@ -62,7 +62,7 @@ void runBalls(int triangles, const Options& options, report::Report& results) {
         const SoftCourse course{.scenario = "balls " + atMargin(margin),
                                 .mesh = "ball",
                                 .steps = options.quick ? 20 : 60,
-                                .limitSeconds = 60};
+                                .limitSeconds = 30};
         const std::vector<SoftOutcome> outcomes = runSoft(
             course, softMethods(), [&](const SoftMethod& method) { return makeBalls(method, triangles, margin); });
         addSoftRows(course, outcomes, judgeBalls, results);

@@ -83,7 +83,7 @@ void runFold(int triangles, const Options& options, report::Report& results) {
                             .steps = options.quick                 ? 90
                                      : triangles == sharpTriangles ? 600
                                                                    : 120,
-                            .limitSeconds = 60};
+                            .limitSeconds = 30};
     const std::vector<SoftOutcome> outcomes = runSoft(
         course, methods, [&](const SoftMethod& method) { return makeFold(method, triangles, sceneMargins[0]); });
     addSoftRows(course, outcomes, judgeFold, results);

@@ -27,6 +27,10 @@ std::vector<SoftOutcome> runSoft(const SoftCourse& course, const std::vector<Sof
             takenUs[i] += outcome.steps.back().wholeUs;
             outcome.workMean += static_cast<double>(outcome.world->ours().work);
             outcome.degraded += outcome.world->ours().degraded;
+            if (takenUs[i] > course.limitSeconds * 1e6) {
+                std::cerr << course.scenario << ": " << outcome.method.name << " stopped after " << step + 1
+                          << " steps\n";
+            }
         }
         if ((step + 1) % 60 == 0) {
             std::cerr << course.scenario << ": " << (step + 1) / 60 << " s\n";

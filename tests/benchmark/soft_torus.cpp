@@ -55,7 +55,7 @@ void runClothOnTorus(double ring, const Options& options, report::Report& result
     const SoftCourse course{.scenario = "cloth on torus " + radius + " m",
                             .mesh = "torus",
                             .steps = options.quick ? 60 : 1200,
-                            .limitSeconds = 60};
+                            .limitSeconds = 30};
     const std::vector<SoftOutcome> outcomes = runSoft(
         course, softMethods(), [&](const SoftMethod& method) { return makeCloth(method, ring, 0.04 * ring, 20); });
     const auto judge = [&](const SoftWorld& world) { return judgeCloth(world, ring); };

@@ -87,7 +87,9 @@ void SoftWorld::collideWithItself(btSoftBody& body) {
         }
         m_withThemselves.push_back(&body);
     } else if (m_method.clusters > 0) {
-        body.m_cfg.collisions |= btSoftBody::fCollision::CL_SELF;
+        // Bullet's handler looks at VF_SS first and has no self-collision there.
+        body.m_cfg.collisions &= ~btSoftBody::fCollision::VF_SS;
+        body.m_cfg.collisions |= btSoftBody::fCollision::CL_SS | btSoftBody::fCollision::CL_SELF;
         body.generateClusters(m_method.clusters);
     }
 }
