@@ -13,8 +13,6 @@ namespace grapeshot::bench {
 namespace {
 
 constexpr double half = 1;  // of the held sheet, m
-constexpr int gateTriangles = 70'000;
-constexpr double gateRatio = 10;  // of the whole step
 
 scenes::Mesh sheet(double size, double height, int triangles) {
     const int cells = static_cast<int>(std::lround(std::sqrt(triangles / 2.0)));
@@ -65,9 +63,9 @@ void runSheets(int triangles, const Options& options, report::Report& results) {
         const SoftOutcome& bullet = outcomes[1];
         Claims claims("soft " + course.scenario + ", " + std::to_string(triangles) + " triangles", results);
         claims.atMost("nodes behind the other sheet", judgeSheets(*ours.world)[0].second, 0);
-        if (triangles == gateTriangles) {
+        if (triangles == softGateTriangles) {
             claims.atLeast("whole step, times as fast as Bullet's own", softRatio(bullet, ours, &SoftStep::wholeUs),
-                           gateRatio);
+                           softGateRatio);
         }
     }
 }
