@@ -17,7 +17,7 @@ struct SoftCourse {
     std::string scenario;
     std::string mesh;
     int steps = 60;
-    double limitSeconds = 30;  ///< of processor time: a method that has taken more is not stepped any further
+    double limitSeconds = 30;  ///< of processor time after the first step: what has taken more is stepped no further
 };
 
 /// What a method made of a scene.
