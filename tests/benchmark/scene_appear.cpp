@@ -12,6 +12,7 @@
 
 #include <report/machine.hpp>
 #include <scenes/shapes.hpp>
+#include <scenes/triangle_arrays.hpp>
 
 #include "scene_rows.hpp"
 
@@ -22,21 +23,6 @@ namespace {
 constexpr std::uint64_t budget = 5000;
 constexpr double secondsPerUnit = 0.2e-6;
 constexpr float radius = 0.5F;  // m
-
-/// Bullet reads the arrays in place.
-btTriangleIndexVertexArray arraysOf(scenes::Mesh& mesh) {
-    btIndexedMesh part;
-    part.m_numTriangles = static_cast<int>(mesh.triangles.size());
-    part.m_triangleIndexBase = reinterpret_cast<const unsigned char*>(mesh.triangles.data());
-    part.m_triangleIndexStride = sizeof(Triangle);
-    part.m_numVertices = static_cast<int>(mesh.vertices.size());
-    part.m_vertexBase = reinterpret_cast<const unsigned char*>(mesh.vertices.data());
-    part.m_vertexStride = sizeof(Eigen::Vector3f);
-    part.m_vertexType = PHY_FLOAT;
-    btTriangleIndexVertexArray arrays;
-    arrays.addIndexedMesh(part, PHY_INTEGER);
-    return arrays;
-}
 
 float heightAt(float x, float z) {
     return 0.02F * std::sin(3 * x) * std::sin(2.7F * z);
@@ -59,12 +45,12 @@ struct Watch {
 };
 
 Watch watch(int cells, int mostSteps) {
-    scenes::Mesh floorMesh = ground(cells);
-    scenes::Mesh ballMesh = scenes::sphere(radius, 6);
-    btTriangleIndexVertexArray floorArrays = arraysOf(floorMesh);
-    btTriangleIndexVertexArray ballArrays = arraysOf(ballMesh);
-    btBvhTriangleMeshShape floor(&floorArrays, true);
-    btGImpactMeshShape ball(&ballArrays);
+    const scenes::Mesh floorMesh = ground(cells);
+    const scenes::Mesh ballMesh = scenes::sphere(radius, 6);
+    const auto floorArrays = scenes::arraysOf(floorMesh.view());
+    const auto ballArrays = scenes::arraysOf(ballMesh.view());
+    btBvhTriangleMeshShape floor(floorArrays.get(), true);
+    btGImpactMeshShape ball(ballArrays.get());
     floor.setMargin(0.02F);
     ball.setMargin(0.02F);
     ball.updateBound();
