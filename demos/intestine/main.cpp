@@ -1,0 +1,87 @@
+// `intestine`: a long tube on its mesentery falls on itself, and a hook pushes, lifts and lets go of it.
+#include <algorithm>
+#include <memory>
+
+#include <soft/demo.hpp>
+
+#include "instrument.hpp"
+#include "organ.hpp"
+#include "strands.hpp"
+
+namespace grapeshot::intestine {
+namespace {
+
+constexpr double floorHalf = 5;     // m
+constexpr double steepness = 0.05;  // 1 / m
+
+/// Height of the bowl in which the coils slide to the middle, onto each other.
+double floorAt(double x, double z) {
+    return steepness * (x * x + z * z);
+}
+
+scenes::Mesh cavity(int cells) {
+    scenes::Mesh mesh = scenes::grid(floorHalf, floorHalf, cells, cells);
+    for (Eigen::Vector3f& vertex : mesh.vertices) {
+        vertex.y() = static_cast<float>(floorAt(static_cast<double>(vertex.x()), static_cast<double>(vertex.z())));
+    }
+    return mesh;
+}
+
+/// Beside the middle of a strand as it lies now.
+Operation operationOn(const StrandWatch& strands, double share) {
+    const Eigen::Vector3d at = strands.middleAt(share);
+    Eigen::Vector3d along = strands.middleAt(share + 0.01) - strands.middleAt(share - 0.01);
+    along.y() = 0;
+    Operation operation;
+    operation.aside = Eigen::Vector3d::UnitY().cross(along.normalized());
+    operation.spot = at - (tubeRadius + 0.12) * operation.aside;
+    operation.spot.y() = std::max(at.y() - tubeRadius, floorAt(operation.spot.x(), operation.spot.z()) + 0.08);
+    return operation;
+}
+
+soft::Scene makeScene(soft::Method method, const OrganSettings& settings, const soft::DemoOptions& options) {
+    soft::Scene scene;
+    scene.name = "intestine";
+    scene.world = std::make_unique<soft::World>(method, options.seed);
+    scene.camera = {.eye = {-2.0, 6.5, -3.0}, .target = {1.3, 0.2, 1.5}, .fieldOfView = 42};
+    soft::World& world = *scene.world;
+    world.add(cavity(40), {}, false, {0.80F, 0.72F, 0.66F});
+    const std::size_t tool = world.add(hook(12), instrumentPose(0, {}), true, {0.55F, 0.60F, 0.68F});
+    Organ organ = makeOrgan(world.info(), settings);
+    const btSoftBody& body = world.add(std::move(organ.body), margin, {0.86F, 0.52F, 0.50F}, true);
+    const auto strands = std::make_shared<StrandWatch>(body, organ.rings, organ.around);
+    const auto operation = std::make_shared<Operation>();
+    scene.beforeStep = [&world, tool, strands, operation, chosen = false, steps = options.steps](int step) mutable {
+        const double progress = static_cast<double>(step + 1) / steps;
+        if (!chosen) {
+            *operation = operationOn(*strands, 0.45);
+            chosen = progress > begin;
+        }
+        world.drive(tool, instrumentPose(progress, *operation));
+    };
+    scene.wrong = [strands] { return strands->passed(); };
+    scene.wrongName = "strands that passed through each other";
+    return scene;
+}
+
+}  // namespace
+}  // namespace grapeshot::intestine
+
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what CLI11 says of wrong declarations
+    using namespace grapeshot;
+    intestine::OrganSettings settings;
+    soft::DemoOptions options;
+    CLI::App app(
+        "A long tube on its mesentery falls on itself; a hook pushes, lifts and lets go of it. Ten times as large as\n"
+        "life. Prints times per frame of 1/30 s. Exit code: 0, 1 (something passed through or was lost), 2 (bad use).",
+        "intestine");
+    soft::addOptions(app, options);
+    app.add_option("--length", settings.length, "of the tube, m")->check(CLI::Range(4.0, 50.0))->capture_default_str();
+    app.add_option("--around", settings.around, "vertices around the tube, even; triangles grow with its square")
+        ->check(CLI::Range(6, 128))
+        ->capture_default_str();
+    return soft::runMain(app, argc, argv, [&] {
+        return soft::demo("intestine", options,
+                          {[&](soft::Method method) { return intestine::makeScene(method, settings, options); }});
+    });
+}

@@ -1,0 +1,27 @@
+// The judge of soft scenes: which edges pass through which triangles, by arithmetic of its own in double precision. It
+// shares no code with the library and knows nothing of its contacts: nodes on the wrong side leave crossed edges.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include <grapeshot/core/mesh_view.hpp>
+
+namespace grapeshot::soft {
+
+/// World frame, m.
+struct Surface {
+    std::vector<Eigen::Vector3d> points;
+    std::vector<Triangle> triangles;
+};
+
+/// Pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same surface
+/// twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle; points that
+/// are no numbers are passed over.
+[[nodiscard]] std::size_t crossings(const Surface& edges, const Surface& faces);
+
+/// Edges of one through triangles of the other, both ways.
+[[nodiscard]] std::size_t crossingsOfBoth(const Surface& a, const Surface& b);
+
+}  // namespace grapeshot::soft

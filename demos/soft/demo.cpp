@@ -1,0 +1,128 @@
+#include "demo.hpp"
+
+#include <cstdio>
+#include <exception>
+#include <fstream>
+
+#include <grapeshot/core/error.hpp>
+
+#include "judged_run.hpp"
+
+namespace grapeshot::soft {
+
+namespace {
+
+constexpr std::size_t judgedStride = 15;
+constexpr int picturesOfRun = 6;
+
+void write(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream stream(file);
+    stream << text;
+    stream.close();
+    if (!stream) {
+        throw Error(Fault::badFile, "cannot be written", file.string());
+    }
+}
+
+std::vector<Method> methodsOf(const DemoOptions& options) {
+    std::vector<Method> methods{Method::grapeshot};
+    for (const Method method : {Method::exact, Method::bullet}) {
+        if (options.against == name(method)) {
+            methods.push_back(method);
+        }
+    }
+    return methods;
+}
+
+void show(const JudgedRun& run, const DemoOptions& options, int number) {
+    char title[128];
+    std::snprintf(title, sizeof title, "%s, %s, %.2f s", run.scene.name.c_str(),
+                  std::string(name(run.scene.world->method())).c_str(),
+                  timeStep * static_cast<double>(run.records.size()));
+    const std::string file =
+        run.scene.name + "-" + std::string(name(run.scene.world->method())) + "-" + std::to_string(number) + ".png";
+    picture(run, title).save(options.pictures / file);
+}
+
+void runScene(const SceneMaker& maker, const DemoOptions& options, report::Report& report) {
+    std::vector<std::unique_ptr<JudgedRun>> runs;
+    std::vector<const JudgedRun*> views;
+    for (const Method method : methodsOf(options)) {
+        runs.push_back(std::make_unique<JudgedRun>(maker(method)));
+        views.push_back(runs.back().get());
+    }
+    // Step by step in turns, so that what else the machine does hits all alike.
+    for (int step = 0; step < options.steps; ++step) {
+        for (const auto& run : runs) {
+            const bool shown = !options.pictures.empty() &&
+                               step * picturesOfRun / options.steps != (step - 1) * picturesOfRun / options.steps;
+            if (step == 0 || shown) {
+                run->judge();
+            }
+            if (!options.pictures.empty() && (step == 0 || shown)) {
+                show(*run, options, step * picturesOfRun / options.steps);
+            }
+            run->advance(judgedStride);
+        }
+    }
+    for (const auto& run : runs) {
+        run->judge();
+        if (!options.pictures.empty()) {
+            show(*run, options, picturesOfRun);
+        }
+    }
+    if (!options.pictures.empty()) {
+        frameTimes(views).save(options.pictures / (runs.front()->scene.name + "-times.png"));
+        forceCurve(views).save(options.pictures / (runs.front()->scene.name + "-force.png"));
+    }
+    for (const auto& run : runs) {
+        appendTo(report, *run, run == runs.front() && runs.size() > 1 ? runs.back().get() : nullptr);
+    }
+}
+
+}  // namespace
+
+void addOptions(CLI::App& app, DemoOptions& options) {
+    app.add_option("--seed", options.seed, "of the samples")->capture_default_str();
+    app.add_option("--steps", options.steps, "of 1/60 s")->check(CLI::Range(1, 1000000))->capture_default_str();
+    app.add_option("--json", options.json, "write the numbers to this file");
+    app.add_option("--pictures", options.pictures, "write pictures to this folder");
+    app.add_option("--against", options.against,
+                   "the same scene by another method, in turns: exact (ours without a budget), bullet")
+        ->check(CLI::IsMember({"none", "exact", "bullet"}))
+        ->capture_default_str();
+}
+
+int demo(const std::string& suite, const DemoOptions& options, const std::vector<SceneMaker>& makers) {
+    if (!options.pictures.empty()) {
+        std::filesystem::create_directories(options.pictures);
+    }
+    report::Report report{.suite = suite, .seed = options.seed, .quick = false, .rows = {}, .claims = {}};
+    for (const SceneMaker& maker : makers) {
+        runScene(maker, options, report);
+    }
+    std::printf("%s", report::table(report).c_str());
+    if (!options.json.empty()) {
+        write(options.json, report::json(report));
+    }
+    if (!options.pictures.empty()) {
+        std::printf("\nPictures in %s\n", std::filesystem::absolute(options.pictures).c_str());
+    }
+    return report.holds() ? 0 : 1;
+}
+
+int runMain(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& end) {
+        return app.exit(end) == 0 ? 0 : 2;
+    }
+    try {
+        return body();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), error.what());
+        return 2;
+    }
+}
+
+}  // namespace grapeshot::soft

@@ -1,0 +1,247 @@
+#include "soft_world.hpp"
+
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <string>
+
+#include <grapeshot/core/error.hpp>
+#include <grapeshot/plugin.hpp>
+#include <report/machine.hpp>
+#include <scenes/engine.hpp>
+#include <scenes/triangle_arrays.hpp>
+
+namespace grapeshot::soft {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// The driven body is one of this mass whose path is put right before each step: so heavy that nothing turns it aside,
+/// and its change of velocity tells the force on it. Bullet drops impulses on kinematic bodies.
+constexpr btScalar drivenMass = 1000;  // kg
+
+btVector3 toBullet(const Vector3d& v) {
+    return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+}
+Vector3d toEigen(const btVector3& v) {
+    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+btTransform toBullet(const scenes::PoseD& pose) {
+    const Eigen::Quaterniond q(pose.rotation);
+    return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
+                                    static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w())),
+                       toBullet(pose.translation));
+}
+
+struct Rigid {
+    scenes::Mesh mesh;
+    std::unique_ptr<btTriangleIndexVertexArray> arrays;
+    std::unique_ptr<btBvhTriangleMeshShape> shape;
+    std::unique_ptr<btRigidBody> body;
+    scenes::PoseD pose, next;
+    scenes::Colour colour;
+    bool driven = false;
+};
+struct Soft {
+    std::unique_ptr<btSoftBody> body;
+    scenes::Colour colour;
+};
+
+}  // namespace
+
+std::string_view name(Method method) noexcept {
+    switch (method) {
+        case Method::grapeshot:
+            return "grapeshot";
+        case Method::exact:
+            return "exact";
+        case Method::bullet:
+            return "bullet";
+    }
+    return "unknown";
+}
+
+struct World::State {
+    explicit State(Method how) : method(how) {}
+    Method method;
+    btSoftBodyRigidBodyCollisionConfiguration configuration;
+    scenes::TimedDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    std::vector<std::unique_ptr<Rigid>> rigids;
+    std::vector<Soft> softs;
+};
+
+World::World(Method method, std::uint64_t sampleSeed) : m_state(std::make_unique<State>(method)) {
+    Settings settings = method == Method::exact ? Settings::exact() : Settings{};
+    settings.seed = sampleSeed;
+    scenes::install(method == Method::bullet ? scenes::Engine::none : scenes::Engine::grapeshot, m_state->dispatcher,
+                    settings);
+    const btVector3 gravity(0, btScalar(-9.81), 0);
+    m_state->world.setGravity(gravity);
+    m_state->world.getDispatchInfo().m_deterministicOverlappingPairs = true;
+    btSoftBodyWorldInfo& info = m_state->world.getWorldInfo();
+    info.m_broadphase = &m_state->broadphase;
+    info.m_dispatcher = &m_state->dispatcher;
+    info.m_gravity = gravity;
+    info.m_sparsesdf.Initialize();
+}
+
+World::~World() {
+    for (const Soft& soft : m_state->softs) {
+        static_cast<void>(removeSelfCollision(&m_state->dispatcher, soft.body.get()));  // those that have none too
+        m_state->world.removeSoftBody(soft.body.get());
+    }
+    for (const auto& rigid : m_state->rigids) {
+        m_state->world.removeRigidBody(rigid->body.get());
+    }
+}
+
+btSoftBodyWorldInfo& World::info() {
+    return m_state->world.getWorldInfo();
+}
+
+btSoftBody& World::add(std::unique_ptr<btSoftBody> body, double margin, const scenes::Colour& colour, bool itself) {
+    btSoftBody& added = *body;
+    added.getCollisionShape()->setMargin(static_cast<btScalar>(margin));
+    m_state->world.addSoftBody(&added);
+    m_state->softs.push_back({std::move(body), colour});
+    if (itself && m_state->method != Method::bullet) {
+        if (const Status status = addSelfCollision(&m_state->dispatcher, &added); status != Status::ok) {
+            throw Error(Fault::badSetting, std::string(grapeshot::name(status)), "addSelfCollision");
+        }
+    }
+    return added;
+}
+
+std::size_t World::add(const scenes::Mesh& mesh, const scenes::PoseD& pose, bool driven, const scenes::Colour& colour) {
+    auto rigid = std::make_unique<Rigid>();
+    rigid->mesh = mesh;
+    rigid->arrays = scenes::arraysOf(rigid->mesh.view());
+    rigid->shape = std::make_unique<btBvhTriangleMeshShape>(rigid->arrays.get(), true);
+    rigid->shape->setMargin(btScalar(0.005));
+    rigid->pose = rigid->next = pose;
+    rigid->colour = colour;
+    rigid->driven = driven;
+    const btScalar mass = driven ? drivenMass : 0;
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, rigid->shape.get(), btVector3(mass, mass, mass));
+    info.m_startWorldTransform = toBullet(pose);
+    info.m_friction = btScalar(0.5);
+    rigid->body = std::make_unique<btRigidBody>(info);
+    if (!driven) {
+        m_state->world.addRigidBody(rigid->body.get());
+    } else {
+        // What is fixed would turn it aside.
+        m_state->world.addRigidBody(rigid->body.get(), btBroadphaseProxy::DefaultFilter,
+                                    btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter);
+        rigid->body->setGravity({0, 0, 0});
+        rigid->body->setActivationState(DISABLE_DEACTIVATION);
+    }
+    m_state->rigids.push_back(std::move(rigid));
+    return m_state->rigids.size() - 1;
+}
+
+void World::drive(std::size_t rigid, const scenes::PoseD& pose) {
+    m_state->rigids[rigid]->next = pose;
+}
+
+StepRecord World::step() {
+    State& state = *m_state;
+    for (const auto& rigid : state.rigids) {
+        if (rigid->driven) {
+            const Eigen::AngleAxisd turn(rigid->next.rotation * rigid->pose.rotation.transpose());
+            rigid->body->setWorldTransform(toBullet(rigid->pose));
+            rigid->body->setInterpolationWorldTransform(toBullet(rigid->pose));
+            rigid->body->setLinearVelocity(toBullet((rigid->next.translation - rigid->pose.translation) / timeStep));
+            rigid->body->setAngularVelocity(toBullet(turn.axis() * (turn.angle() / timeStep)));
+        }
+    }
+    state.dispatcher.resetClock();
+    const double begin = report::threadCpuUs();
+    state.world.stepSimulation(static_cast<btScalar>(timeStep), 0);
+    StepRecord record;
+    record.seconds = 1e-6 * (report::threadCpuUs() - begin);
+    record.detectionSeconds = state.dispatcher.cpuSeconds();
+    for (const auto& rigid : state.rigids) {
+        if (rigid->driven) {
+            const Vector3d asked = (rigid->next.translation - rigid->pose.translation) / timeStep;
+            record.force +=
+                static_cast<double>(drivenMass) * (toEigen(rigid->body->getLinearVelocity()) - asked).norm() / timeStep;
+            rigid->pose = rigid->next;
+        }
+    }
+    for (const Soft& soft : state.softs) {
+        record.contactsOfSelf += soft.body->m_scontacts.size();
+        record.contacts += soft.body->m_scontacts.size() + soft.body->m_rcontacts.size();
+    }
+    if (state.method != Method::bullet) {
+        const StepStatistics& stats = statistics(&state.dispatcher);
+        record.work = static_cast<double>(stats.work);
+        record.sampled = stats.sampled;
+        for (const PairStatistics& pair : stats.pairs) {
+            record.missBound = std::max(record.missBound, pair.sampled ? pair.missBound : 0);
+        }
+    }
+    return record;
+}
+
+Method World::method() const {
+    return m_state->method;
+}
+std::size_t World::softBodies() const {
+    return m_state->softs.size();
+}
+std::size_t World::rigidBodies() const {
+    return m_state->rigids.size();
+}
+const btSoftBody& World::soft(std::size_t index) const {
+    return *m_state->softs[index].body;
+}
+btSoftBody& World::soft(std::size_t index) {
+    return *m_state->softs[index].body;
+}
+const scenes::Colour& World::softColour(std::size_t index) const {
+    return m_state->softs[index].colour;
+}
+const scenes::Colour& World::rigidColour(std::size_t index) const {
+    return m_state->rigids[index]->colour;
+}
+
+Surface World::softSurface(std::size_t index) const {
+    const btSoftBody& body = soft(index);
+    Surface surface;
+    for (int i = 0; i < body.m_nodes.size(); ++i) {
+        surface.points.push_back(toEigen(body.m_nodes[i].m_x));
+    }
+    for (int i = 0; i < body.m_faces.size(); ++i) {
+        const auto& corners = body.m_faces[i].m_n;
+        const auto at = [&](int k) { return static_cast<std::uint32_t>(corners[k] - &body.m_nodes[0]); };
+        surface.triangles.push_back({at(0), at(1), at(2)});
+    }
+    return surface;
+}
+
+Surface World::rigidSurface(std::size_t index) const {
+    const Rigid& rigid = *m_state->rigids[index];
+    Surface surface;
+    for (const Eigen::Vector3f& vertex : rigid.mesh.vertices) {
+        surface.points.emplace_back(rigid.pose.rotation * vertex.cast<double>() + rigid.pose.translation);
+    }
+    surface.triangles = rigid.mesh.triangles;
+    return surface;
+}
+
+std::size_t World::triangles() const {
+    std::size_t sum = 0;
+    for (const Soft& each : m_state->softs) {
+        sum += static_cast<std::size_t>(each.body->m_faces.size());
+    }
+    return sum;
+}
+
+}  // namespace grapeshot::soft
