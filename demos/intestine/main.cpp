@@ -1,4 +1,5 @@
 // `intestine`: a long tube on its mesentery falls on itself, and a hook pushes, lifts and lets go of it.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <memory>
 
