@@ -47,11 +47,11 @@ soft::Scene makeScene(soft::Method method, const OrganSettings& settings, const 
     scene.camera = {.eye = {-2.0, 6.5, -3.0}, .target = {1.3, 0.2, 1.5}, .fieldOfView = 42};
     soft::World& world = *scene.world;
     world.add(cavity(40), {}, false, {0.80F, 0.72F, 0.66F});
-    const std::size_t tool = world.add(hook(12), instrumentPose(0, {}), true, {0.55F, 0.60F, 0.68F});
     Organ organ = makeOrgan(world.info(), settings);
     const btSoftBody& body = world.add(std::move(organ.body), margin, {0.86F, 0.52F, 0.50F}, true);
     const auto strands = std::make_shared<StrandWatch>(body, organ.rings, organ.around);
-    const auto operation = std::make_shared<Operation>();
+    const auto operation = std::make_shared<Operation>(operationOn(*strands, 0.45));
+    const std::size_t tool = world.add(hook(12), instrumentPose(0, *operation), true, {0.55F, 0.60F, 0.68F});
     scene.beforeStep = [&world, tool, strands, operation, chosen = false, steps = options.steps](int step) mutable {
         const double progress = static_cast<double>(step + 1) / steps;
         if (!chosen) {

@@ -11,19 +11,14 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double height = 1.0;        // of the start above the ground, m
-constexpr double middle = 2.7;        // radius about which the folds go out and in, m
-constexpr double amplitude = 1.2;     // of the folds, m
-constexpr double folds = 3.6;         // strands per radian
+constexpr double height = 1.0;     // of the start above the ground, m
+constexpr double folds = 3.6;      // strands per radian; they lie on rays from the middle
+constexpr double innerTurn = 1.7;  // where strands end, m; half circles join them
+constexpr double outerTurn = 3.6;
 constexpr double rootRadius = 0.7;    // where the mesentery is fixed, m
 constexpr int sheetRows = 10;         // from the root to the tube
 constexpr double tubeDensity = 0.6;   // kg per m
 constexpr double sheetDensity = 0.4;  // kg per m^2
-
-Vector3d coilAt(double angle) {
-    const double radius = middle + amplitude * std::sin(folds * std::numbers::pi * angle - std::numbers::pi / 2);
-    return {radius * std::cos(angle), height, radius * std::sin(angle)};
-}
 
 btVector3 toBullet(const Vector3d& v) {
     return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
@@ -93,17 +88,22 @@ void addSheet(Plan& plan, const std::vector<Vector3d>& middles, int around, doub
     const int rings = static_cast<int>(middles.size());
     const int first = static_cast<int>(plan.points.size());
     const auto at = [&](int i, int row) { return row == sheetRows ? i * around : first + i * sheetRows + row; };
+    double span = std::atan2(middles.back().z(), middles.back().x());
+    span += span < 0 ? 2 * std::numbers::pi : 0;
+    int i = 0;
     for (const Vector3d& centre : middles) {
         const Vector3d end = centre - tubeRadius * Vector3d::UnitY();
-        Vector3d root = rootRadius * Vector3d(end.x(), 0, end.z()).normalized();
-        root.y() = end.y();
+        // Evenly along the root: so the sheet comes to the outer half of each strand from one side, to its inner half
+        // from the other, and lies nowhere on itself.
+        const double angle = span * static_cast<double>(i++) / rings;
+        const Vector3d root(rootRadius * std::cos(angle), end.y(), rootRadius * std::sin(angle));
         for (int row = 0; row < sheetRows; ++row) {
             const double t = static_cast<double>(row) / sheetRows;
-            const Vector3d slack = 0.12 * std::sin(std::numbers::pi * t) * Vector3d::UnitY();
+            const Vector3d slack = 0.2 * std::sin(std::numbers::pi * t) * Vector3d::UnitY();
             plan.node(root + t * (end - root) - slack, row == 0 ? 0 : nodeMass);
         }
     }
-    for (int i = 0; i < rings; ++i) {
+    for (i = 0; i < rings; ++i) {
         for (int row = 0; row < sheetRows; ++row) {
             plan.links.emplace_back(at(i, row), at(i, row + 1));
             if (i + 1 < rings) {
@@ -131,17 +131,36 @@ double sheetArea(const std::vector<Vector3d>& middles) {
 std::vector<Vector3d> coil(double length, double spacing) {
     const int count = std::max(8, static_cast<int>(std::lround(length / spacing)));
     const double step = length / count;
-    std::vector<Vector3d> points{coilAt(0)};
-    double angle = 0;
+    const double half = 0.5 / folds;  // rad, between a strand and the middle of its turn
+    constexpr int pieces = 1000;      // of each strand and turn
+    std::vector<Vector3d> points;
     double gone = 0;
-    Vector3d last = points.front();
-    while (static_cast<int>(points.size()) <= count) {
-        angle += 1e-5;
-        const Vector3d next = coilAt(angle);
-        gone += (next - last).norm();
+    Vector3d last = Vector3d::Zero();
+    const auto pass = [&](double radius, double angle) {
+        const Vector3d next(radius * std::cos(angle), height, radius * std::sin(angle));
+        gone += points.empty() ? 0 : (next - last).norm();
         last = next;
-        if (gone >= step * static_cast<double>(points.size())) {
+        if (gone >= step * static_cast<double>(points.size()) && static_cast<int>(points.size()) <= count) {
             points.push_back(next);
+        }
+    };
+    for (int strand = 0; static_cast<int>(points.size()) <= count; ++strand) {
+        const bool outward = strand % 2 == 0;
+        const double from = outward ? innerTurn : outerTurn;
+        const double to = outward ? outerTurn : innerTurn;
+        const double angle = (2 * strand + 1) * half;
+        for (int i = 0; i < pieces; ++i) {
+            pass(from + (to - from) * i / pieces, angle);
+        }
+        // A circle that touches this strand's ray and the next one's.
+        const double centre = to / std::cos(half);
+        const double radius = to * std::tan(half);
+        const double reach = std::numbers::pi / 2 + (outward ? half : -half);
+        for (int i = 0; i < pieces; ++i) {
+            const double turn = reach * (2.0 * i / pieces - 1);
+            const double x = centre + (outward ? 1 : -1) * radius * std::cos(turn);
+            const double y = radius * std::sin(turn);
+            pass(std::hypot(x, y), angle + half + std::atan2(y, x));
         }
     }
     return points;

@@ -40,10 +40,13 @@ struct Grid {
     }
 };
 
+/// What has blown up would fill the grid; its nodes are counted as lost.
 bool isUsable(const Surface& surface, const Triangle& t) {
-    // Beyond 1e5 m the keys of cells are no longer their own; such nodes are lost, and counted as that.
+    constexpr double farthest = 1e3, longest = 4;  // m
     return std::all_of(t.begin(), t.end(), [&](std::uint32_t i) {
-        return surface.points[i].allFinite() && surface.points[i].cwiseAbs().maxCoeff() < 1e5;
+        const Vector3d& point = surface.points[i];
+        return point.allFinite() && point.cwiseAbs().maxCoeff() < farthest &&
+               (point - surface.points[t[0]]).cwiseAbs().maxCoeff() < longest;
     });
 }
 

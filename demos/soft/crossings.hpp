@@ -17,8 +17,8 @@ struct Surface {
 };
 
 /// Pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same surface
-/// twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle; points that
-/// are no numbers are passed over.
+/// twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle; triangles
+/// with points that are no numbers, farther than 1 km or larger than 4 m are passed over.
 [[nodiscard]] std::size_t crossings(const Surface& edges, const Surface& faces);
 
 /// Edges of one through triangles of the other, both ways.
