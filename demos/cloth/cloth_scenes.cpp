@@ -99,7 +99,7 @@ std::unique_ptr<btSoftBody> dress(btSoftBodyWorldInfo& info, int around) {
             if (i == rows) {
                 // The hem at the top is elastic and was made for the narrowest place.
                 btSoftBody::Link& link = body->m_links[body->m_links.size() - 1];
-                link.m_rl *= btScalar(0.72);
+                link.m_rl *= btScalar(0.85);
                 continue;
             }
             body->appendLink(at(i, k), at(i + 1, k));

@@ -13,7 +13,7 @@ namespace grapeshot::intestine {
 namespace {
 
 constexpr double floorHalf = 5;     // m
-constexpr double steepness = 0.05;  // 1 / m
+constexpr double steepness = 0.03;  // 1 / m
 
 /// Height of the bowl in which the coils slide to the middle, onto each other.
 double floorAt(double x, double z) {

@@ -84,18 +84,24 @@ void addTube(Plan& plan, const std::vector<Vector3d>& middles, int around, doubl
     }
 }
 
+/// Where the sheet to a point of the tube begins: it fans out from between the two strands of a fold, so that it lies
+/// nowhere on itself.
+double rootAngle(const Vector3d& at) {
+    double angle = std::atan2(at.z(), at.x());
+    angle += angle < 0 ? 2 * std::numbers::pi : 0;
+    const double fold = 2 / folds;
+    const double centre = fold * (std::round(angle / fold - 0.5) + 0.5);
+    const double outward = std::clamp((std::hypot(at.x(), at.z()) - innerTurn) / (outerTurn - innerTurn), 0.0, 1.0);
+    return centre + (angle - centre) * (1 - 0.6 * outward);
+}
+
 void addSheet(Plan& plan, const std::vector<Vector3d>& middles, int around, double nodeMass) {
     const int rings = static_cast<int>(middles.size());
     const int first = static_cast<int>(plan.points.size());
     const auto at = [&](int i, int row) { return row == sheetRows ? i * around : first + i * sheetRows + row; };
-    double span = std::atan2(middles.back().z(), middles.back().x());
-    span += span < 0 ? 2 * std::numbers::pi : 0;
-    int i = 0;
     for (const Vector3d& centre : middles) {
         const Vector3d end = centre - tubeRadius * Vector3d::UnitY();
-        // Evenly along the root: so the sheet comes to the outer half of each strand from one side, to its inner half
-        // from the other, and lies nowhere on itself.
-        const double angle = span * static_cast<double>(i++) / rings;
+        const double angle = rootAngle(end);
         const Vector3d root(rootRadius * std::cos(angle), end.y(), rootRadius * std::sin(angle));
         for (int row = 0; row < sheetRows; ++row) {
             const double t = static_cast<double>(row) / sheetRows;
@@ -103,7 +109,7 @@ void addSheet(Plan& plan, const std::vector<Vector3d>& middles, int around, doub
             plan.node(root + t * (end - root) - slack, row == 0 ? 0 : nodeMass);
         }
     }
-    for (i = 0; i < rings; ++i) {
+    for (int i = 0; i < rings; ++i) {
         for (int row = 0; row < sheetRows; ++row) {
             plan.links.emplace_back(at(i, row), at(i, row + 1));
             if (i + 1 < rings) {

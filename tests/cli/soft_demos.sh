@@ -27,14 +27,12 @@ expect 2 "" "$intestine" --length 1
 expect 2 "" "$cloth" --scene nonsense
 expect 2 "cannot be written" "$cloth" --scene torus --nodes 9 --steps 1 --json /nonexistent/out.json
 
-# The hook meets the organ: there is a force.
-expect 0 "strands that passed" "$intestine" --length 4 --around 6 --steps 80 --json intestine.json --pictures pictures
-positive "$(value intestine.json 'largest force N')"
-positive "$(value intestine.json 'contacts/step')"
-[ -s pictures/intestine-force.png ]
-
-expect 0 "garment" "$cloth" --nodes 11 --steps 60 --json cloth.json
-positive "$(value cloth.json 'contacts/step')"
+for scene in torus comb blades; do
+    expect 0 "$scene" "$cloth" --scene "$scene" --nodes 11 --steps 60 --json cloth.json
+    positive "$(value cloth.json 'contacts/step')"
+done
+expect 0 "Pictures in" "$cloth" --scene torus --nodes 9 --steps 6 --pictures pictures
+[ -s pictures/torus-times.png ]
 # The same seed, the same work.
 expect 0 "" "$cloth" --scene torus --nodes 11 --steps 60 --json once.json
 expect 0 "" "$cloth" --scene torus --nodes 11 --steps 60 --json twice.json
