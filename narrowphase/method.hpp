@@ -11,8 +11,8 @@ namespace grapeshot {
 enum class Method : std::uint8_t {
     automatic,  ///< the best for the pair, as measured: of rigid meshes adb
     adb,        ///< average-distribution trees; kept leaf pairs are the features that are followed from step to step
-    scf,        ///< stochastic closest features on ball trees: what is near is sampled where it cannot all be looked at,
-                ///< and tracked; needs a second tree. Depths, bodies in bodies and what is ahead of fast ones ask adb's
+    scf,  ///< stochastic closest features on ball trees: what is near is sampled where it cannot all be looked at,
+          ///< and tracked; needs a second tree. Depths, bodies in bodies and what is ahead of fast ones ask adb's
 };
 
 [[nodiscard]] constexpr std::string_view name(Method method) noexcept {

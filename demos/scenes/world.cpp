@@ -31,7 +31,7 @@ struct MeshEntry {
     BodyFrame frame;
     detail::MeshShape shape;
     std::shared_ptr<btCollisionShape> standIn;  ///< collides in its place, if there is one
-    std::optional<TrueSurface> surface;  ///< built when first asked for
+    std::optional<TrueSurface> surface;         ///< built when first asked for
     double radius = 0;
 
     [[nodiscard]] btCollisionShape& collides() const { return standIn ? *standIn : *shape.shape; }
@@ -173,8 +173,8 @@ std::size_t World::addBody(std::size_t mesh, const PoseD& pose, double mass, con
     Body body;
     body.mesh = mesh;
     body.mass = mass;
-    return m_state->add(std::move(body), entry.collides(), bodyPose(pose, entry.frame),
-                        mass * entry.frame.unitInertia, motion);
+    return m_state->add(std::move(body), entry.collides(), bodyPose(pose, entry.frame), mass * entry.frame.unitInertia,
+                        motion);
 }
 
 std::size_t World::addBox(const Vector3d& half, const PoseD& pose, double mass, const Motion& motion) {

@@ -12,7 +12,7 @@ using namespace scenes;
 namespace {
 
 constexpr double pitHalf = 3.3;  ///< m, inside
-constexpr double layer = 2.1;  ///< m between bodies at the start: they are 2 m wide
+constexpr double layer = 2.1;    ///< m between bodies at the start: they are 2 m wide
 
 /// Farthest vertex from the centre of mass at `pileRadius`.
 Mesh toRadius(const Mesh& mesh) {

@@ -29,8 +29,8 @@ void append(const RegionSlot& slot, const Pose& bInA, std::vector<PlacedContact>
 }
 
 /// Those of a set that belong to a region of which some contacts are known.
-std::vector<PlacedContact> belonging(const ContactSet& set, const std::vector<PlacedContact>& region,
-                                     const Pose& bInA, const RegionSettings& settings) {
+std::vector<PlacedContact> belonging(const ContactSet& set, const std::vector<PlacedContact>& region, const Pose& bInA,
+                                     const RegionSettings& settings) {
     std::vector<PlacedContact> contacts;
     for (const RegionSlot& slot : set.slots) {
         append(slot, bInA, contacts);
@@ -138,8 +138,8 @@ void RegionWatch::compare(const ContactSet& found, const Pose& bInA, const PairS
         const auto ours = belonging(found, region, bInA, settings.set.regions);
         if (life.found == 0 && !ours.empty()) {
             life.found = life.age;
-            const Push truly = pushOf(belonging(truth.state.contacts, region, bInA, settings.set.regions),
-                                      settings.maxDistance);
+            const Push truly =
+                pushOf(belonging(truth.state.contacts, region, bInA, settings.set.regions), settings.maxDistance);
             const Push push = pushOf(ours, settings.maxDistance);
             const float force = std::max(truly.force.norm(), 1e-12F);
             m_counts.forceErrors.push_back((push.force - truly.force).norm() / force);

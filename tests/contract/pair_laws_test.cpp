@@ -188,7 +188,8 @@ TEST_P(PairLaws, ABadPoseClearsAndTheNextGoodOneRecovers) {
         EXPECT_TRUE(slot.id == 0 || slot.count == 0);
     }
     PairState fresh;
-    EXPECT_EQ(update(a, b, path.back(), settings, {}, state).collides, update(a, b, path.back(), settings, {}, fresh).collides);
+    EXPECT_EQ(update(a, b, path.back(), settings, {}, state).collides,
+              update(a, b, path.back(), settings, {}, fresh).collides);
 }
 
 INSTANTIATE_TEST_SUITE_P(AllPairs, PairLaws,

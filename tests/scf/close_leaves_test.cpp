@@ -85,7 +85,8 @@ TEST(CloseLeaves, StayWithinTheBudgetAndSayWhenItEnds) {
     const CloseLeafResult whole = search.find(tree, rigidState(), tree, moved, 0.05F, {}, {}, all);
     ASSERT_GT(all.size(), 10U);
     for (std::uint64_t work = 0; work <= whole.work + 17; work += 5) {
-        const CloseLeafResult result = search.find(tree, rigidState(), tree, moved, 0.05F, {.work = work}, {1, 2, work}, some);
+        const CloseLeafResult result =
+            search.find(tree, rigidState(), tree, moved, 0.05F, {.work = work}, {1, 2, work}, some);
         EXPECT_LE(result.work, work);
         EXPECT_LE(some.size(), all.size());
         EXPECT_EQ(result.complete && result.work == whole.work, result.complete);

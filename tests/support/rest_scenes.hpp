@@ -17,9 +17,8 @@ enum class RestScene {
     torusOnTorus,     ///< a torus lying in the hollow of a bigger one
     ballInCup,        ///< a bumpy ball dropped into a cup, off its middle
 };
-inline constexpr std::array allRestScenes{RestScene::uOnBar,          RestScene::crossInHole,
-                                          RestScene::interlockedTori, RestScene::combInRails,
-                                          RestScene::nutOnBolt,       RestScene::torusOnTorus,
+inline constexpr std::array allRestScenes{RestScene::uOnBar,      RestScene::crossInHole, RestScene::interlockedTori,
+                                          RestScene::combInRails, RestScene::nutOnBolt,   RestScene::torusOnTorus,
                                           RestScene::ballInCup};
 
 [[nodiscard]] std::string_view name(RestScene scene) noexcept;
