@@ -35,9 +35,9 @@ float grown(const std::array<std::uint32_t, 3>& vertices, const Eigen::Vector3f&
 }  // namespace
 
 void bringBack(const BringBack& task, btSoftBody& a, btSoftBody* b, std::vector<Eigen::Vector3f>* beforeA,
-               std::vector<Eigen::Vector3f>* beforeB, std::vector<SurfaceContact>& contacts) {
+               std::vector<Eigen::Vector3f>* beforeB, std::vector<SoftSurfaceContact>& contacts) {
     std::vector<double> missing;
-    for (const SurfaceContact& contact : contacts) {
+    for (const SoftSurfaceContact& contact : contacts) {
         const auto before = static_cast<double>(contact.before);
         missing.push_back(before < task.distance ? wayBack(before, task.distance, task.hardness) : 0.0);
     }
@@ -47,7 +47,7 @@ void bringBack(const BringBack& task, btSoftBody& a, btSoftBody* b, std::vector<
     if (b != nullptr && !itself) {
         moveNodes(*b, moves[1], task.frame, *beforeB);
     }
-    for (SurfaceContact& contact : contacts) {
+    for (SoftSurfaceContact& contact : contacts) {
         const float way = grown(contact.a, contact.weightsA, moves[0], contact.normal) -
                           grown(contact.b, contact.weightsB, itself ? moves[0] : moves[1], contact.normal);
         contact.before += way;

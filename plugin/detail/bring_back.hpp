@@ -21,7 +21,7 @@ struct BringBack {
 /// Moves nodes, where they were before the step and where they would go, by the same; and what is known of them: the
 /// positions in the frame of the contacts (of b: null if it is rigid, or a itself), and the contacts' distances.
 void bringBack(const BringBack& task, btSoftBody& a, btSoftBody* b, std::vector<Eigen::Vector3f>* beforeA,
-               std::vector<Eigen::Vector3f>* beforeB, std::vector<SurfaceContact>& contacts);
+               std::vector<Eigen::Vector3f>* beforeB, std::vector<SoftSurfaceContact>& contacts);
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

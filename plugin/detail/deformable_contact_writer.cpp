@@ -50,7 +50,7 @@ bool canMove(const RigidContactSite& site) {
 
 }  // namespace
 
-bool writeDeformableContact(const RigidContactSite& site, SoftEntry& entry, const SurfaceContact& contact,
+bool writeDeformableContact(const RigidContactSite& site, SoftEntry& entry, const SoftSurfaceContact& contact,
                             float distance) {
     btSoftBody& soft = site.soft;
     const btVector3 normal = site.frame.getBasis() * toBullet(contact.normal);

@@ -11,7 +11,7 @@ namespace detail {
 
 /// Appends to btSoftBody::m_nodeRigidContacts or m_faceRigidContacts, for rigid bodies, links of multi-bodies and
 /// objects without a mass. @param distance margins of both, m
-bool writeDeformableContact(const RigidContactSite& site, SoftEntry& entry, const SurfaceContact& contact,
+bool writeDeformableContact(const RigidContactSite& site, SoftEntry& entry, const SoftSurfaceContact& contact,
                             float distance);
 
 }  // namespace detail

@@ -25,14 +25,14 @@ struct Point {
     double impulse = 0;
 };
 
-std::size_t cornersA(const SurfaceContact& contact) {
+std::size_t cornersA(const SoftSurfaceContact& contact) {
     return contact.features == Features::cornerFace ? 1 : 3;
 }
-std::size_t cornersB(const SurfaceContact& contact) {
+std::size_t cornersB(const SoftSurfaceContact& contact) {
     return contact.features == Features::faceCorner ? 1 : 3;
 }
 
-bool concerns(const SurfaceContact& contact, const MovableBodies& bodies) {
+bool concerns(const SoftSurfaceContact& contact, const MovableBodies& bodies) {
     return !(bodies.threadA && contact.features == Features::faceCorner) &&
            !(bodies.threadB && contact.features == Features::cornerFace);
 }
@@ -50,11 +50,11 @@ const NodeMove* moveOf(std::span<const NodeMove> moves, std::uint32_t node) {
     return at != moves.end() && at->node == node ? &*at : nullptr;
 }
 
-NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SurfaceContact> contacts,
+NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SoftSurfaceContact> contacts,
                     std::span<const double> missing) {
     NodeMoves moves;
     const std::size_t ofB = bodies.a == bodies.b ? 0 : 1;
-    for (const SurfaceContact& contact : contacts) {
+    for (const SoftSurfaceContact& contact : contacts) {
         for (std::size_t i = 0; i < cornersA(contact); ++i) {
             moves[0].push_back({contact.a[i], Eigen::Vector3d::Zero()});
         }
@@ -74,7 +74,7 @@ NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SurfaceContact>
     };
     std::vector<Point> points;
     for (std::size_t c = 0; c < contacts.size(); ++c) {
-        const SurfaceContact& contact = contacts[c];
+        const SoftSurfaceContact& contact = contacts[c];
         if (!(missing[c] > 0) || !concerns(contact, bodies)) {
             continue;
         }

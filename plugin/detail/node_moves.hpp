@@ -34,7 +34,7 @@ using NodeMoves = std::array<std::vector<NodeMove>, 2>;
 
 /// The moves that bring every contact as far apart as it is to be. @param missing per contact, m; at most 0: nothing.
 /// Nodes with infinite mass or an anchor stay. By projected Gauss-Seidel: O(contacts).
-[[nodiscard]] NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SurfaceContact> contacts,
+[[nodiscard]] NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SoftSurfaceContact> contacts,
                                   std::span<const double> missing);
 /// Null if it does not move.
 [[nodiscard]] const NodeMove* moveOf(std::span<const NodeMove> moves, std::uint32_t node);

@@ -63,7 +63,7 @@ bool write(const NodeFace& pair) {
 
 }  // namespace
 
-int writeSoftContact(const SoftContactSite& site, const SurfaceContact& contact) {
+int writeSoftContact(const SoftContactSite& site, const SoftSurfaceContact& contact) {
     const btVector3 normal = toBullet(contact.normal);
     const btScalar further = btMin(site.distance, btScalar(contact.before)) - btScalar(contact.after);
     if (contact.features == Features::cornerFace) {

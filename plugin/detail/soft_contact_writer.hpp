@@ -20,7 +20,7 @@ struct SoftContactSite {
 
 /// Appends to btSoftBody::m_scontacts of the node's body; of two edges, both ends of the first against a face at the
 /// second. Contacts are in world coordinates. Returns how many were written.
-int writeSoftContact(const SoftContactSite& site, const SurfaceContact& contact);
+int writeSoftContact(const SoftContactSite& site, const SoftSurfaceContact& contact);
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

@@ -33,14 +33,6 @@ btTransform endOf(const btCollisionObject& object, btScalar timeStep) {
     return end;
 }
 
-float longestWay(const std::vector<Eigen::Vector3f>& from, const std::vector<Eigen::Vector3f>& to) {
-    float most = 0;
-    for (std::size_t i = 0; i < from.size(); ++i) {
-        most = std::max(most, (to[i] - from[i]).squaredNorm());
-    }
-    return std::sqrt(most);
-}
-
 }  // namespace
 
 SoftWorld rigidWorldOf(const btSoftBody& body) {
@@ -158,7 +150,7 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
     result.pairs = m_pairs.size();
     m_sides.find(a, b, m_pairs, static_cast<double>(settings.distance), nullptr, m_contacts);
     result.contacts = write(soft, rigid, frame, end.getOrigin(), settings.distance, world);
-    for (const SurfaceContact& contact : m_contacts) {
+    for (const SoftSurfaceContact& contact : m_contacts) {
         result.crossings += contact.crossing ? 1 : 0;
         result.deepest = std::max(result.deepest, settings.distance - contact.before);
     }
@@ -184,7 +176,7 @@ int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid
         const int flags = soft.m_cfg.collisions;
         const bool nodes = (flags & Flags::SDF_RDN) != 0;
         const bool faces = (flags & (link ? Flags::SDF_MDF : Flags::SDF_RDF)) != 0;
-        for (const SurfaceContact& contact : m_contacts) {
+        for (const SoftSurfaceContact& contact : m_contacts) {
             const bool wanted = contact.features == Features::cornerFace ? nodes : faces;
             written += wanted && writeDeformableContact(site, *m_softEntry, contact, distance) ? 1 : 0;
         }
@@ -198,7 +190,7 @@ int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid
     bringBack({movable, static_cast<double>(distance), hardness, frame.getBasis()}, soft, nullptr, &m_before, nullptr,
               m_contacts);
     std::vector<double> missing;
-    for (const SurfaceContact& contact : m_contacts) {
+    for (const SoftSurfaceContact& contact : m_contacts) {
         missing.push_back(static_cast<double>(std::min(distance, contact.before) - contact.after));
     }
     const NodeMoves moves = nodeMoves(movable, m_contacts, missing);
@@ -212,7 +204,7 @@ void SoftRigidPair::appendContacts(const btSoftBody& body, std::vector<SoftConta
     if (m_body != &body) {
         return;
     }
-    for (const SurfaceContact& contact : m_contacts) {
+    for (const SoftSurfaceContact& contact : m_contacts) {
         SoftContact told = toldOf(contact.a, contact.weightsA, m_soft->nodes);
         told.other = m_object;
         told.triangle = static_cast<int>(contact.pair.triangleB);

@@ -73,7 +73,7 @@ class SoftRigidPair {
     btMatrix3x3 m_frame;   // of m_contacts
     float m_usualWay = 0;  // most that a vertex was to move in the last step, m
     std::vector<TrianglePair> m_pairs;
-    std::vector<SurfaceContact> m_contacts;
+    std::vector<SoftSurfaceContact> m_contacts;
 };
 
 }  // namespace detail

@@ -25,14 +25,6 @@ Eigen::Vector3f meanWay(const Positions& from, const Positions& to) {
     return (sum / std::max(1.0, static_cast<double>(from.size()))).cast<float>();
 }
 
-float longestWay(const Positions& from, const Positions& to) {
-    float most = 0;
-    for (std::size_t i = 0; i < from.size(); ++i) {
-        most = std::max(most, (to[i] - from[i]).squaredNorm());
-    }
-    return std::sqrt(most);
-}
-
 void shift(Positions& positions, const Eigen::Vector3f& by) {
     for (Eigen::Vector3f& p : positions) {
         p += by;
@@ -157,7 +149,7 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     result.pairs = m_pairs.size();
     m_sides.find(first, second, m_pairs, static_cast<double>(task.distance), m_itself ? &m_nearVertices : nullptr,
                  m_contacts);
-    for (const SurfaceContact& contact : m_contacts) {
+    for (const SoftSurfaceContact& contact : m_contacts) {
         result.crossings += contact.crossing ? 1 : 0;
         result.deepest = std::max(result.deepest, task.distance - contact.before);
     }
@@ -181,7 +173,7 @@ int SoftSoftPair::write(btSoftBody& a, btSoftBody& b, float distance) {
               &m_b.before, m_contacts);
     const SoftContactSite site{a, b, *m_a.entry, *m_b.entry, btScalar(distance)};
     int written = 0;
-    for (const SurfaceContact& contact : m_contacts) {
+    for (const SoftSurfaceContact& contact : m_contacts) {
         written += writeSoftContact(site, contact);
     }
     return written;
@@ -194,7 +186,7 @@ void SoftSoftPair::appendContacts(const btSoftBody& body, std::vector<SoftContac
     }
     const Side& mine = isA ? m_a : m_b;
     const Side& other = isA ? m_b : m_a;
-    for (const SurfaceContact& contact : m_contacts) {
+    for (const SoftSurfaceContact& contact : m_contacts) {
         SoftContact told = isA ? toldOf(contact.a, contact.weightsA, mine.surface->nodes)
                                : toldOf(contact.b, contact.weightsB, mine.surface->nodes);
         told.otherNodes = (isA ? toldOf(contact.b, contact.weightsB, other.surface->nodes)

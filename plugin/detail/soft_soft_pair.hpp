@@ -53,7 +53,7 @@ class SoftSoftPair {
     Eigen::Vector3f m_drift = Eigen::Vector3f::Zero();  // mean motion, taken out of `after` and `last`
     float m_usualWay = 0;
     std::vector<TrianglePair> m_pairs;
-    std::vector<SurfaceContact> m_contacts;
+    std::vector<SoftSurfaceContact> m_contacts;
 };
 
 }  // namespace detail

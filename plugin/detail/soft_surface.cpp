@@ -100,6 +100,14 @@ bool readPositions(const btSoftBody& body, const SoftSurface& surface, const btT
 
 }  // namespace
 
+float longestWay(std::span<const Eigen::Vector3f> from, std::span<const Eigen::Vector3f> to) {
+    float most = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        most = std::max(most, (to[i] - from[i]).squaredNorm());
+    }
+    return std::sqrt(most);
+}
+
 bool positionsOf(const btSoftBody& body, const SoftSurface& surface, NodePart part, const btTransform& frame,
                  std::vector<Eigen::Vector3f>& positions) {
     return readPositions(body, surface, frame, positions, [part](const btSoftBody::Node& node) {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -41,6 +42,8 @@ enum class NodePart {
 /// number.
 [[nodiscard]] bool positionsOf(const btSoftBody& body, const SoftSurface& surface, NodePart part,
                                const btTransform& frame, std::vector<Eigen::Vector3f>& positions);
+/// Of any vertex from one array to the other, of the same size, m.
+[[nodiscard]] float longestWay(std::span<const Eigen::Vector3f> from, std::span<const Eigen::Vector3f> to);
 /// Of a body of btDeformableMultiBodyDynamicsWorld: as far as its velocities carry it in so many seconds.
 [[nodiscard]] bool deformedPositionsOf(const btSoftBody& body, const SoftSurface& surface, btScalar seconds,
                                        const btTransform& frame, std::vector<Eigen::Vector3f>& positions);

@@ -16,9 +16,9 @@ namespace detail {
 namespace {
 
 using Eigen::Vector3d;
-using Positions = std::span<const Eigen::Vector3f>;
+using PositionsView = std::span<const Eigen::Vector3f>;
 
-Vector3d at(Positions positions, std::uint32_t v) {
+Vector3d at(PositionsView positions, std::uint32_t v) {
     return positions[v].cast<double>();
 }
 
@@ -117,7 +117,7 @@ class SurfaceContacts::Pass {
         }
     }
 
-    void lookAhead(std::span<const TrianglePair> pairs, std::vector<SurfaceContact>& contacts) {
+    void lookAhead(std::span<const TrianglePair> pairs, std::vector<SoftSurfaceContact>& contacts) {
         for (const TrianglePair& pair : pairs) {
             forEachCorner(pair, [&](int body, std::uint32_t corner, std::uint32_t own, std::uint32_t face) {
                 if (!anchors(body).contains(corner) && !(m_bodies[body]->rigid && isMisplaced(face))) {
@@ -153,7 +153,7 @@ class SurfaceContacts::Pass {
         return box;
     }
 
-    using Part = Positions SurfaceInStep::*;
+    using Part = PositionsView SurfaceInStep::*;
 
     template <class Wanted>
     void rememberCorners(std::span<const TrianglePair> pairs, const Wanted& wanted) {
@@ -258,12 +258,13 @@ class SurfaceContacts::Pass {
         }
     }
 
-    static std::array<Moving, 3> moving(const SurfaceInStep& body, std::uint32_t face, Positions from, Positions to) {
+    static std::array<Moving, 3> moving(const SurfaceInStep& body, std::uint32_t face, PositionsView from,
+                                        PositionsView to) {
         const Triangle& t = body.triangles[face];
         return {Moving{at(from, t[0]), at(to, t[0])}, Moving{at(from, t[1]), at(to, t[1])},
                 Moving{at(from, t[2]), at(to, t[2])}};
     }
-    static Vector3d normalOf(const SurfaceInStep& body, std::uint32_t face, Positions positions) {
+    static Vector3d normalOf(const SurfaceInStep& body, std::uint32_t face, PositionsView positions) {
         const Triangle& t = body.triangles[face];
         const Vector3d origin = at(positions, t[0]);
         return (at(positions, t[1]) - origin).cross(at(positions, t[2]) - origin).normalized();
@@ -398,7 +399,7 @@ class SurfaceContacts::Pass {
         }
     }
 
-    void chooseCorners(std::vector<SurfaceContact>& contacts) {
+    void chooseCorners(std::vector<SoftSurfaceContact>& contacts) {
         std::ranges::sort(m_corners, {}, [](const CornerHit& hit) {
             return std::tuple(hit.body, hit.corner, !hit.crossing, hit.order, hit.face);
         });
@@ -459,7 +460,7 @@ class SurfaceContacts::Pass {
         }
     }
 
-    void chooseEdges(std::vector<SurfaceContact>& contacts) {
+    void chooseEdges(std::vector<SoftSurfaceContact>& contacts) {
         std::ranges::sort(m_edges, {}, [](const EdgeHit& hit) {
             return std::tuple(hit.ends[0], hit.ends[1], !hit.crossing, hit.order, hit.ends[2], hit.ends[3]);
         });
@@ -477,7 +478,7 @@ class SurfaceContacts::Pass {
                 continue;
             }
             last = &hit;
-            SurfaceContact contact;
+            SoftSurfaceContact contact;
             contact.a = {hit.ends[0], hit.ends[1], hit.ends[1]};
             contact.b = {hit.ends[2], hit.ends[3], hit.ends[3]};
             contact.weightsA = Eigen::Vector3d(1 - hit.first, hit.first, 0).cast<float>();
@@ -501,8 +502,8 @@ class SurfaceContacts::Pass {
         return between.dot(hit.normal);
     }
 
-    void emit(const CornerHit& hit, std::vector<SurfaceContact>& contacts) const {
-        SurfaceContact contact;
+    void emit(const CornerHit& hit, std::vector<SoftSurfaceContact>& contacts) const {
+        SoftSurfaceContact contact;
         const std::array<std::uint32_t, 3> corner{hit.corner, hit.corner, hit.corner};
         const Eigen::Vector3f one(1, 0, 0);
         const Triangle& face = m_bodies[1 - hit.body]->triangles[hit.face];
@@ -518,7 +519,7 @@ class SurfaceContacts::Pass {
         measure(contact, contacts);
     }
 
-    void measure(SurfaceContact& contact, std::vector<SurfaceContact>& contacts) const {
+    void measure(SoftSurfaceContact& contact, std::vector<SoftSurfaceContact>& contacts) const {
         const auto gap = [&](Part part) {
             Vector3d between = Vector3d::Zero();
             for (int i = 0; i < 3; ++i) {
@@ -546,7 +547,7 @@ class SurfaceContacts::Pass {
 };
 
 void SurfaceContacts::find(const SurfaceInStep& a, const SurfaceInStep& b, std::span<const TrianglePair> pairs,
-                           double distance, const IndexLists* near, std::vector<SurfaceContact>& contacts) {
+                           double distance, const IndexLists* near, std::vector<SoftSurfaceContact>& contacts) {
     Pass pass(*this, a, b, distance, near);
     std::vector<TrianglePair> left;
     pass.sift(pairs, left);

@@ -42,7 +42,7 @@ struct SurfaceInStep {
 
 enum class Features : std::uint8_t { cornerFace, faceCorner, edges };
 
-struct SurfaceContact {
+struct SoftSurfaceContact {
     std::array<std::uint32_t, 3> a{}, b{};  ///< vertices
     Eigen::Vector3f weightsA = Eigen::Vector3f::Zero(), weightsB = Eigen::Vector3f::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, on B pointing to A
@@ -60,7 +60,7 @@ class SurfaceContacts {
     /// not among them is not found. @param near of a body with itself (`a` and `b` the same): the vertices that each
     /// vertex is too near to on the surface to collide with; else null.
     void find(const SurfaceInStep& a, const SurfaceInStep& b, std::span<const TrianglePair> pairs, double distance,
-              const IndexLists* near, std::vector<SurfaceContact>& contacts);
+              const IndexLists* near, std::vector<SoftSurfaceContact>& contacts);
     void clear();
     /// Corners and pairs of edges that are on the wrong side.
     [[nodiscard]] std::size_t misplaced() const;

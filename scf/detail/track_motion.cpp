@@ -7,8 +7,6 @@
 namespace grapeshot::detail {
 namespace {
 
-constexpr double trackedShare = 0.6;  // of the budget, for what is known already
-
 std::uint64_t joined(std::uint32_t a, std::uint32_t b) {
     return std::uint64_t{a} << 32U | b;
 }

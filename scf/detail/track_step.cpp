@@ -3,8 +3,7 @@
 namespace grapeshot::detail {
 namespace {
 
-constexpr double trackedShare = 0.6;  // of the budget, for what is known already
-constexpr double frontShare = 0.5;    // of what is left then
+constexpr double frontShare = 0.5;  // of what is left then
 
 TrackedContact contactOf(const PairBatch& batch, int lane) {
     TrackedContact contact;

@@ -15,6 +15,9 @@
 
 namespace grapeshot::detail {
 
+/// Of a step's budget, for what is known already.
+inline constexpr double trackedShare = 0.6;
+
 struct TrackedPair {
     TrianglePair pair;
     std::uint64_t birth = 0;  ///< step
