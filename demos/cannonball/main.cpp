@@ -6,14 +6,13 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <grapeshot/core/error.hpp>
 #include <import/mesh_import.hpp>
 #include <report/report.hpp>
+#include <report/text_file.hpp>
 
 #include "pictures.hpp"
 #include "shot.hpp"
@@ -268,15 +267,6 @@ void savePictures(const Options& options, const Result& result) {
         .save(out / "scene.png");
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream stream(file);
-    stream << text;
-    stream.close();
-    if (!stream) {
-        throw Error(Fault::badFile, "cannot be written", file.string());
-    }
-}
-
 int demo(const Options& options) {
     scenes::CannonballSettings settings;
     settings.detail = options.detail;
@@ -289,9 +279,9 @@ int demo(const Options& options) {
     const report::Report report = reportOf(options, result);
     print(options, result, report);
     savePictures(options, result);
-    write(options.out / "result.json", report::json(report));
+    report::writeText(options.out / "result.json", report::json(report));
     if (!options.json.empty()) {
-        write(options.json, report::json(report));
+        report::writeText(options.json, report::json(report));
     }
     const std::string folder = std::filesystem::absolute(options.out).lexically_normal().string();
     std::printf(

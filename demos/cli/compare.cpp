@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <import/mesh_import.hpp>
 #include <memory>
 
 #include <grapeshot/adb/query.hpp>
-#include <grapeshot/core/error.hpp>
 #include <grapeshot/core/random.hpp>
 #include <report/machine.hpp>
 #include <report/report.hpp>
+#include <report/text_file.hpp>
 
 #include "commands.hpp"
 
@@ -129,11 +128,7 @@ ExitCode compareFiles(const CompareOptions& options) {
     const report::Report result = compareTrees(a, b, options);
     std::fputs(table(result).c_str(), stdout);
     if (!options.jsonFile.empty()) {
-        std::ofstream out(options.jsonFile);
-        out << json(result);
-        if (!out.flush()) {
-            throw Error(Fault::badFile, "cannot be written", options.jsonFile);
-        }
+        report::writeText(options.jsonFile, json(result));
     }
     return result.holds() ? done : claimFailed;
 }

@@ -1,13 +1,13 @@
 // `grapeshot inspect FILE`: what a mesh is like, and whether it can be used.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <fstream>
 #include <import/mesh_import.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/core/mesh_report.hpp>
+#include <report/text_file.hpp>
 
 #include "commands.hpp"
 
@@ -62,11 +62,7 @@ ExitCode inspectFile(const InspectOptions& options) {
     std::printf("%s\n%s", options.file.c_str(), describe(report).c_str());
     std::printf("%s\n", fault.empty() ? "It can be used." : ("It cannot be used: " + fault).c_str());
     if (!options.jsonFile.empty()) {
-        std::ofstream out(options.jsonFile);
-        out << asJson(report, options.file, fault).dump(2) << "\n";
-        if (!out.flush()) {
-            throw Error(Fault::badFile, "cannot be written", options.jsonFile);
-        }
+        report::writeText(options.jsonFile, asJson(report, options.file, fault).dump(2) + "\n");
     }
     return fault.empty() ? done : claimFailed;
 }

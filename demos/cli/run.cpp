@@ -2,14 +2,13 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <import/bullet_scene.hpp>
 #include <memory>
 #include <optional>
 
-#include <grapeshot/core/error.hpp>
 #include <report/machine.hpp>
 #include <report/report.hpp>
+#include <report/text_file.hpp>
 
 #include "commands.hpp"
 
@@ -147,11 +146,7 @@ ExitCode runFile(const RunOptions& options) {
     const report::Report result = runBoth(options);
     std::fputs(table(result).c_str(), stdout);
     if (!options.jsonFile.empty()) {
-        std::ofstream out(options.jsonFile);
-        out << json(result);
-        if (!out.flush()) {
-            throw Error(Fault::badFile, "cannot be written", options.jsonFile);
-        }
+        report::writeText(options.jsonFile, json(result));
     }
     return result.holds() ? done : claimFailed;
 }

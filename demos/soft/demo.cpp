@@ -2,9 +2,8 @@
 
 #include <cstdio>
 #include <exception>
-#include <fstream>
 
-#include <grapeshot/core/error.hpp>
+#include <report/text_file.hpp>
 
 #include "judged_run.hpp"
 
@@ -14,15 +13,6 @@ namespace {
 
 constexpr std::size_t judgedStride = 15;
 constexpr int picturesOfRun = 6;
-
-void write(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream stream(file);
-    stream << text;
-    stream.close();
-    if (!stream) {
-        throw Error(Fault::badFile, "cannot be written", file.string());
-    }
-}
 
 std::vector<Method> methodsOf(const DemoOptions& options) {
     std::vector<Method> methods{Method::grapeshot};
@@ -103,7 +93,7 @@ int demo(const std::string& suite, const DemoOptions& options, const std::vector
     }
     std::printf("%s", report::table(report).c_str());
     if (!options.json.empty()) {
-        write(options.json, report::json(report));
+        report::writeText(options.json, report::json(report));
     }
     if (!options.pictures.empty()) {
         std::printf("\nPictures in %s\n", std::filesystem::absolute(options.pictures).c_str());
