@@ -2,21 +2,10 @@
 # scenes.sh PROGRAM: scenes as .bullet files: written, run again, and files that are not what they claim to be.
 set -euo pipefail
 tool=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+# shellcheck source=tests/cli/says.sh
+. "$(dirname "$(readlink -f "$0")")/says.sh"
 
-# expect CODE WORDS ARGUMENTS...: exit code, and words in what it says (either stream).
-expect() {
-    local code=$1 words=$2 found=0
-    shift 2
-    "$tool" "$@" >out 2>&1 </dev/null || found=$?
-    if [ "$found" -ne "$code" ] || ! grep -qF -- "$words" out; then
-        echo "grapeshot $*: exit code $found, expected $code and '$words'; it said:"
-        cat out
-        exit 1
-    fi
-}
+expect() { says "$1" "$2" "$tool" "${@:3}"; }
 # overwrite FILE BYTE HEX...: bytes in place.
 overwrite() {
     local file=$1 at=$2 bytes=

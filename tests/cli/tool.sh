@@ -2,21 +2,10 @@
 # tool.sh PROGRAM: what `grapeshot` prints, writes and returns.
 set -euo pipefail
 tool=$1
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
+# shellcheck source=tests/cli/says.sh
+. "$(dirname "$(readlink -f "$0")")/says.sh"
 
-# expect CODE WORDS ARGUMENTS...: exit code, and words in what it says (either stream).
-expect() {
-    local code=$1 words=$2 found=0
-    shift 2
-    "$tool" "$@" >out 2>&1 </dev/null || found=$?
-    if [ "$found" -ne "$code" ] || ! grep -qF -- "$words" out; then
-        echo "grapeshot $*: exit code $found, expected $code and '$words'; it said:"
-        cat out
-        exit 1
-    fi
-}
+expect() { says "$1" "$2" "$tool" "${@:3}"; }
 
 printf 'OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n' >'a good one.off'
 printf "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n" >open.off
