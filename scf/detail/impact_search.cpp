@@ -39,6 +39,12 @@ void ImpactSearch::dropLate(ImpactFront& front) const {
     }
 }
 
+bool ImpactFront::isForTriangles() const {
+    const std::size_t due = triangles.size();
+    return pieces.empty() || due >= batchWidth ||
+           (due >= impacts::worthACall && triangles.front().time < pieces.front().time);
+}
+
 bool ImpactSearch::run(std::uint64_t spare) {
     return run(m_scratch.front, spare);
 }
@@ -52,13 +58,7 @@ bool ImpactSearch::run(ImpactFront& front, std::uint64_t spare) {
         if (!hasMoreThan(spare)) {
             return false;
         }
-        const std::size_t due = front.triangles.size();
-        if (front.pieces.empty() || due >= batchWidth ||
-            (due >= impacts::worthACall && front.triangles.front().time < front.pieces.front().time)) {
-            advanceEarliest(front);
-        } else {
-            open(front);
-        }
+        front.isForTriangles() ? advanceEarliest(front) : open(front);
     }
 }
 

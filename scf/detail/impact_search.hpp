@@ -29,6 +29,8 @@ struct WaitingPair {
 struct ImpactFront {
     std::vector<WaitingPair> pieces, triangles;
     [[nodiscard]] std::size_t size() const { return pieces.size() + triangles.size(); }
+    /// Is a call for triangle pairs the next step? Else a piece is opened.
+    [[nodiscard]] bool isForTriangles() const;
     void clear() {
         pieces.clear();
         triangles.clear();

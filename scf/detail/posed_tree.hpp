@@ -63,7 +63,9 @@ class PosedTree {
     void prefetchPoints(BallRef piece) const {
         const std::uint32_t index = ballIndex(piece);
         if (!isBallLeaf(piece)) {
-            if (!m_made.hasBalls(index)) {
+            if (m_atRest) {
+                __builtin_prefetch(&m_tree->plainBalls[index]);
+            } else if (!m_made.hasBalls(index)) {
                 const BallNode& node = m_tree->nodes[index];
                 for (std::uint32_t slot = 0; slot < node.count; ++slot) {
                     prefetch(node.center[slot]);

@@ -216,13 +216,7 @@ bool TrackMotion::search(ImpactFront& front, std::uint64_t spare) {
         if (!hasMoreThan(spare)) {
             return false;
         }
-        const std::size_t due = front.triangles.size();
-        if (front.pieces.empty() || due >= batchWidth ||
-            (due >= impacts::worthACall && front.triangles.front().time < front.pieces.front().time)) {
-            advanceEarliest(front);
-        } else {
-            open(front);
-        }
+        front.isForTriangles() ? advanceEarliest(front) : open(front);
     }
     return true;
 }

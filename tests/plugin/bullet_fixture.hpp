@@ -109,6 +109,21 @@ class MeshShape {
     }
 };
 
+/// Mass 0: static. `inertia` of zero: that of the shape by massProperties.
+inline std::unique_ptr<btRigidBody> rigidBody(btCollisionShape& shape, const btTransform& pose, btScalar mass,
+                                              btVector3 inertia = {0, 0, 0}) {
+    if (mass > 0 && inertia.isZero()) {
+        const MassProperties properties = massProperties(&shape, mass);
+        inertia = properties.inertia;
+        if (properties.status != Status::ok) {
+            shape.calculateLocalInertia(mass, inertia);
+        }
+    }
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, inertia);
+    info.m_startWorldTransform = pose;
+    return std::make_unique<btRigidBody>(info);
+}
+
 /// A world with our algorithms in it. Bodies leave with it, shapes are the caller's.
 template <class AnyDispatcher>
 class WorldWith {
@@ -128,19 +143,10 @@ class WorldWith {
     WorldWith(const WorldWith&) = delete;
     WorldWith& operator=(const WorldWith&) = delete;
 
-    /// Mass 0: static. `inertia` of zero: that of the shape by massProperties.
+    /// See rigidBody.
     btRigidBody& add(btCollisionShape& shape, const btTransform& pose, btScalar mass = 0,
                      btVector3 inertia = {0, 0, 0}) {
-        if (mass > 0 && inertia.isZero()) {
-            const MassProperties properties = massProperties(&shape, mass);
-            inertia = properties.inertia;
-            if (properties.status != Status::ok) {
-                shape.calculateLocalInertia(mass, inertia);
-            }
-        }
-        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, inertia);
-        info.m_startWorldTransform = pose;
-        bodies.push_back(std::make_unique<btRigidBody>(info));
+        bodies.push_back(rigidBody(shape, pose, mass, inertia));
         world.addRigidBody(bodies.back().get());
         return *bodies.back();
     }

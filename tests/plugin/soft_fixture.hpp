@@ -49,17 +49,7 @@ class SoftWorldWith {
         return *body;
     }
     btRigidBody& add(btCollisionShape& shape, const btTransform& pose, btScalar mass = 0) {
-        btVector3 inertia(0, 0, 0);
-        if (mass > 0) {
-            const MassProperties properties = massProperties(&shape, mass);
-            inertia = properties.inertia;
-            if (properties.status != Status::ok) {
-                shape.calculateLocalInertia(mass, inertia);
-            }
-        }
-        btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, inertia);
-        info.m_startWorldTransform = pose;
-        bodies.push_back(std::make_unique<btRigidBody>(info));
+        bodies.push_back(rigidBody(shape, pose, mass));
         world.addRigidBody(bodies.back().get());
         return *bodies.back();
     }

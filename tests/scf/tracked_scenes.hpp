@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
+#include <grapeshot/core/bytes.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
 #include <scenes/shapes.hpp>
@@ -84,5 +86,38 @@ class Roll {
     scenes::Mesh mesh;
     BallTree tree;
 };
+
+/// Everything that a result says.
+inline std::vector<std::byte> bytesOf(const TrackResult& result) {
+    std::vector<std::byte> bytes;
+    ByteWriter writer(bytes);
+    for (const TrackedContact& contact : result.contacts) {
+        writer.put(contact.pair.triangleA);
+        writer.put(contact.pair.triangleB);
+        writer.put(contact.onA);
+        writer.put(contact.onB);
+        writer.put(contact.normal);
+        writer.put(contact.signedDistance);
+        writer.put(contact.featureA);
+        writer.put(contact.featureB);
+        writer.put(contact.overlapping);
+        writer.put(contact.time);
+        writer.put(contact.age);
+    }
+    writer.put(result.certain);
+    writer.put(result.stop);
+    writer.put(result.work);
+    writer.put(result.miss.candidates);
+    writer.put(result.miss.unknown);
+    writer.put(result.miss.sampled);
+    writer.put(result.miss.hits);
+    writer.put(result.miss.open);
+    writer.put(result.miss.missed);
+    writer.put(result.miss.missedBound);
+    writer.put(result.miss.unseenBound);
+    writer.put(result.tracked);
+    writer.put(result.dives);
+    return bytes;
+}
 
 }  // namespace grapeshot::test

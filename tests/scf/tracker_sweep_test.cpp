@@ -7,7 +7,6 @@
 #include <map>
 #include <set>
 
-#include <grapeshot/core/bytes.hpp>
 #include <grapeshot/scf/detail/cells.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
@@ -25,27 +24,6 @@ TrackSettings sweepSettings(TrackMode mode) {
     settings.spacing = 0.12F;
     settings.tolerance = 1e-6F;
     return settings;
-}
-
-std::vector<std::byte> sweepBytes(const TrackResult& result) {
-    std::vector<std::byte> bytes;
-    ByteWriter writer(bytes);
-    for (const TrackedContact& contact : result.contacts) {
-        writer.put(contact.pair.triangleA);
-        writer.put(contact.pair.triangleB);
-        writer.put(contact.onA);
-        writer.put(contact.onB);
-        writer.put(contact.normal);
-        writer.put(contact.time);
-        writer.put(contact.age);
-    }
-    writer.put(result.certain);
-    writer.put(result.work);
-    writer.put(result.miss.unknown);
-    writer.put(result.miss.sampled);
-    writer.put(result.miss.hits);
-    writer.put(result.tracked);
-    return bytes;
 }
 
 TEST(TrackerSweep, ListsAllThatTouchesWhenItFirstDoes) {
@@ -266,8 +244,8 @@ TEST(TrackerSweep, SameBytesOnEveryInstructionSetAndFromASavedState) {
             const TwoBumpy::Frame from = scene.at(frame - 1);
             const TwoBumpy::Frame to = scene.at(frame);
             const RigidMotion turn{{}, {0.01F, 0, 0}, {0.4F, 0, 0}};
-            const auto bytes = sweepBytes(tracker.sweep({from.a, to.a, {}, {}, {}}, {from.b, to.b, turn, {}, {}},
-                                                        TwoBumpy::settings(TrackMode::budget), {.work = 2000}));
+            const auto bytes = bytesOf(tracker.sweep({from.a, to.a, {}, {}, {}}, {from.b, to.b, turn, {}, {}},
+                                                     TwoBumpy::settings(TrackMode::budget), {.work = 2000}));
             all.insert(all.end(), bytes.begin(), bytes.end());
             Tracker loaded(scene.a, scene.b);
             loaded.load(tracker.save());
