@@ -32,11 +32,11 @@ struct Settings {
     Budget pairBudget = {};
     /// Of a Dispatcher: most work (or time) that all pairs of a step may cost together, split by importance. Every pair
     /// gets its mandatory slice: 8 units; 24 (by scf 96) if it was cut short or has no contacts, and 64 more if it has
-    /// none and may pass through within the step; meshes against planes and convex shapes cannot be cut short. So a
-    /// step costs at most max(budget, sum of these); children of compounds and further dispatches that the last step
-    /// had not may add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the
-    /// contacts are those of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that
-    /// takes.
+    /// none and may pass through within the step. What cannot be cut short: meshes against planes and convex shapes, and
+    /// soft bodies while they move by more in a step than their margins (or half an edge, if that is more). So a step
+    /// costs at most max(budget, sum of these); children of compounds and further dispatches that the last step had not
+    /// may add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the contacts are
+    /// those of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that takes.
     Budget frameBudget = {};
     /// Of a Dispatcher: threads that compute contacts, 1..256. The contacts are the same for any number.
     int threads = 1;

@@ -93,6 +93,7 @@ NearResult NearPairs::find(const SurfaceInStep& a, const SurfaceInStep& b, const
         look({a.before, a.before, b.before, b.before, a.rigid, b.rigid, 0, settings.distance + most}, settings, result,
              pairs);
     } else {
+        result.isWhole = true;
         NearSettings all = settings;
         all.budget = {};
         for (std::size_t leg = 0; leg < 2; ++leg) {
@@ -149,7 +150,6 @@ void NearPairs::look(const Moment& moment, const NearSettings& settings, NearRes
         m_tracker.step(stateA, stateOf(moment.fromB, moment.toB, moment.rigidB, m_positionsB), track, settings.budget,
                        m_found);
     }
-    ++result.moments;
     result.work += m_found.work;
     result.certain = result.certain && m_found.certain && track.mode == TrackMode::exact;
     result.miss = m_found.miss;

@@ -31,7 +31,8 @@ struct NearResult {
     StopReason stop = StopReason::invalidInput;
     std::optional<Fault> fault;
     MissEstimate miss;
-    int moments = 0;  ///< of the step that were looked at
+    /// The bodies were too fast for the budget, which was not asked: all of the work was mandatory.
+    bool isWhole = false;
 };
 
 /// Of one pair of bodies, or one with itself. The trees stay where they are.

@@ -51,7 +51,7 @@ void reportSoftPair(Context& context, const btCollisionObject& first, const btCo
     pair.proxyB = proxyOf(second);
     pair.soft = true;
     pair.method = Method::scf;
-    pair.sampled = budget.work != unlimited || budget.time != never;
+    pair.sampled = !result.near.isWhole && (budget.work != unlimited || budget.time != never);
     pair.work = result.near.work;
     pair.slice = budget.work;
     pair.candidates = static_cast<std::uint32_t>(result.pairs);
@@ -63,7 +63,7 @@ void reportSoftPair(Context& context, const btCollisionObject& first, const btCo
     pair.traversed = true;
     pair.missBound = result.near.certain ? 0 : result.near.miss.missedBound;
     if (Frame* frame = context.openFrame()) {
-        frame->payLatecomer(pair.work, std::min(pair.work, softSlice));
+        frame->payLatecomer(pair.work, result.near.isWhole ? pair.work : std::min(pair.work, softSlice));
     }
     result.refusal.empty() ? context.record(pair) : context.refuse(pair, result.refusal);
 }

@@ -284,6 +284,30 @@ TEST(SoftMesh, ABudgetIsKeptAndWhatWasMissedIsBounded) {
     EXPECT_GE(pair.missBound, 0);
 }
 
+/// What falls fast is searched whole, which the frame is told.
+TEST(SoftMesh, AFrameCostsWhatItSays) {
+    Settings settings;
+    settings.frameBudget.work = 300;
+    const MeshShape torus(scenes::torus(1, 0.3F, 32, 16), Kind::mesh, 0.005_s);
+    SoftWorldWith<Dispatcher> world(settings);
+    world.add(*torus, at({0, 0, 0}));
+    btSoftBody& sheet = world.add(cloth(world.world.getWorldInfo(), {0, 1.5_s, 0}, 1.3_s, 15, 0, 1), 0.02_s);
+    sheet.addVelocity({0, -20, 0});
+    int whole = 0;
+    int sampled = 0;
+    for (int i = 0; i < 90; ++i) {
+        world.step();
+        const StepStatistics& stats = world.stats();
+        EXPECT_LE(stats.work, std::max(stats.budget, stats.mandatory)) << "step " << i;
+        for (const PairStatistics& pair : stats.pairs) {
+            whole += pair.soft && !pair.sampled && pair.work > stats.budget ? 1 : 0;
+            sampled += pair.soft && pair.sampled ? 1 : 0;
+        }
+    }
+    EXPECT_GT(whole, 0);
+    EXPECT_GT(sampled, 10);
+}
+
 /// How many of so many bodies that fly at a sheet that is held at its border end up with more than half of their
 /// corners behind it.
 int softThrough(const scenes::Mesh& mesh, int shots, double fromSpeed, double toSpeed) {
