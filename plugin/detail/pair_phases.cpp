@@ -5,10 +5,10 @@
 #include <bit>
 #include <type_traits>
 
-#include <grapeshot/core/random.hpp>
 #include <grapeshot/narrowphase/schedule.hpp>
 #include <grapeshot/plugin/detail/pair_ahead.hpp>
 #include <grapeshot/plugin/detail/pair_motion.hpp>
+#include <grapeshot/plugin/detail/proxy_id.hpp>
 #include <grapeshot/plugin/detail/swept_contacts.hpp>
 
 namespace grapeshot {
@@ -139,7 +139,7 @@ bool PairProcessor::wasCutShort() const {
 }
 
 std::uint64_t PairProcessor::key() const {
-    return keyOf(*m_ahead->bodies[0], *m_ahead->bodies[1]);
+    return keyOf(*m_ahead->bodies[0]->getCollisionObject(), *m_ahead->bodies[1]->getCollisionObject());
 }
 
 std::uint64_t PairProcessor::mandatory() const {

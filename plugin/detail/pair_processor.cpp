@@ -1,15 +1,14 @@
 #include <grapeshot/plugin/detail/pair_processor.hpp>
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 
 #include <algorithm>
 #include <utility>
 
-#include <grapeshot/core/random.hpp>
 #include <grapeshot/narrowphase/schedule.hpp>
 #include <grapeshot/plugin/detail/pair_ahead.hpp>
+#include <grapeshot/plugin/detail/proxy_id.hpp>
 #include <grapeshot/plugin/detail/swept_contacts.hpp>
 
 namespace grapeshot {
@@ -17,11 +16,6 @@ inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
 namespace {
-
-int proxyOf(const btCollisionObjectWrapper& wrap) {
-    const btBroadphaseProxy* proxy = wrap.getCollisionObject()->getBroadphaseHandle();
-    return proxy != nullptr ? proxy->getUid() : -1;
-}
 
 /// Will Bullet call the program's material callback?
 bool tellsProgram(const std::array<const btCollisionObjectWrapper*, 2>& bodies) {
@@ -40,10 +34,6 @@ PairProcessor::PairProcessor(const btCollisionAlgorithmConstructionInfo& info, s
       m_query(query),
       m_writer(*info.m_dispatcher1, info.m_manifold),
       m_shared(info.m_manifold) {}
-
-std::uint64_t PairProcessor::keyOf(const btCollisionObjectWrapper& first, const btCollisionObjectWrapper& second) {
-    return pairKey(static_cast<std::uint32_t>(proxyOf(first)), static_cast<std::uint32_t>(proxyOf(second)));
-}
 
 PairProcessor::~PairProcessor() {
     dropDelegate();
@@ -244,7 +234,7 @@ void PairProcessor::goOnBuilding() {
 PairTask PairProcessor::task(const PairShapes& shapes, btScalar timeStep, btScalar closestDistance) const {
     PairTask task;
     task.settings = &m_context->settings;
-    task.pair = keyOf(*shapes.a, *shapes.b);
+    task.pair = keyOf(*shapes.a->getCollisionObject(), *shapes.b->getCollisionObject());
     task.budget = m_query ? m_context->settings.queryBudget : m_context->settings.pairBudget;
     task.size = m_size;
     const btScalar margins = shapes.marginA + shapes.marginB;
@@ -337,8 +327,8 @@ bool PairProcessor::standsIn() const {
 void PairProcessor::report(const Bodies& bodies, const Written& written, const std::string* refusal) {
     const PairResult& found = m_share.result;
     PairStatistics pair;
-    pair.proxyA = proxyOf(*bodies[0]);
-    pair.proxyB = proxyOf(*bodies[1]);
+    pair.proxyA = proxyOf(*bodies[0]->getCollisionObject());
+    pair.proxyB = proxyOf(*bodies[1]->getCollisionObject());
     pair.work = found.work;
     pair.slice = m_share.slice;
     pair.age = m_age;

@@ -82,9 +82,6 @@ class PairProcessor {
     /// What is known ahead of Bullet's pass.
     struct Ahead;
 
-    /// By the ids of their broadphase proxies.
-    [[nodiscard]] static std::uint64_t keyOf(const btCollisionObjectWrapper& first,
-                                             const btCollisionObjectWrapper& second);
     /// Are these, or what is to be done about them, others than last time?
     [[nodiscard]] bool isChanged(const btCollisionShape& shape0, const btCollisionShape& shape1) const;
     /// True if they were.

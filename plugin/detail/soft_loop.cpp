@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <grapeshot/core/random.hpp>
+#include <grapeshot/plugin/detail/proxy_id.hpp>
 #include <grapeshot/plugin/detail/soft_pair.hpp>
 
 namespace grapeshot {
@@ -37,8 +37,7 @@ void SoftLoop::run(Context& context) {
         }
         SoftSoftTask task;
         task.look = context.dispatches;
-        const auto proxy = static_cast<std::uint32_t>(body.getBroadphaseHandle()->getUid());
-        task.key = pairKey(proxy, proxy);
+        task.key = keyOf(body, body);
         task.distance =
             self.how.thickness > 0 ? self.how.thickness : static_cast<float>(2 * body.getCollisionShape()->getMargin());
         task.exclusion = self.how.exclusion;

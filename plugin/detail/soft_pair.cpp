@@ -1,11 +1,10 @@
 #include <grapeshot/plugin/detail/soft_pair.hpp>
 
-#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
 #include <algorithm>
 
-#include <grapeshot/core/random.hpp>
+#include <grapeshot/plugin/detail/proxy_id.hpp>
 #include <grapeshot/plugin/detail/shape_kind.hpp>
 
 namespace grapeshot {
@@ -17,11 +16,6 @@ namespace {
 btSoftBody* softOf(const btCollisionObjectWrapper& wrap) {
     // Of a compound's child the object is the whole body.
     return const_cast<btSoftBody*>(btSoftBody::upcast(wrap.getCollisionObject()));
-}
-
-int proxyOf(const btCollisionObject& object) {
-    const btBroadphaseProxy* proxy = object.getBroadphaseHandle();
-    return proxy != nullptr ? proxy->getUid() : -1;
 }
 
 bool isDisabled(const btSoftBody& soft, const btCollisionObject& other) {
@@ -125,7 +119,7 @@ void SoftPair::processSoft(btSoftBody& first, btSoftBody& second) {
     SoftSoftTask task;
     task.budget = softBudget(*m_context);
     task.look = m_context->framed ? m_context->dispatches : m_step;
-    task.key = pairKey(static_cast<std::uint32_t>(proxyOf(first)), static_cast<std::uint32_t>(proxyOf(second)));
+    task.key = keyOf(first, second);
     task.distance =
         static_cast<float>(first.getCollisionShape()->getMargin() + second.getCollisionShape()->getMargin());
     reportSoftPair(*m_context, first, second, m_soft->process(first, second, task), task.budget);
@@ -142,9 +136,8 @@ void SoftPair::processMesh(btSoftBody& soft, const btCollisionObjectWrapper& rig
     }
     const Budget budget = softBudget(*m_context);
     const std::uint64_t look = m_context->framed ? m_context->dispatches : m_step;
-    const std::uint64_t key =
-        pairKey(static_cast<std::uint32_t>(proxyOf(soft)), static_cast<std::uint32_t>(proxyOf(object)));
-    reportSoftPair(*m_context, soft, object, m_rigid->process(soft, rigid, info.m_timeStep, look, key, budget), budget);
+    reportSoftPair(*m_context, soft, object,
+                   m_rigid->process(soft, rigid, info.m_timeStep, look, keyOf(soft, object), budget), budget);
 }
 
 void SoftPair::appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const {
