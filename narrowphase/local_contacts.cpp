@@ -10,7 +10,7 @@
 #include <grapeshot/narrowphase/detail/contact_collector.hpp>
 #include <grapeshot/narrowphase/detail/feature_contacts.hpp>
 #include <grapeshot/narrowphase/detail/feature_filter.hpp>
-#include <grapeshot/narrowphase/detail/leaf_shape.hpp>
+#include <grapeshot/narrowphase/detail/leaf_filter.hpp>
 #include <grapeshot/narrowphase/detail/placed_leaf.hpp>
 #include <grapeshot/narrowphase/detail/point_contacts.hpp>
 
@@ -25,12 +25,6 @@ static float roundingOf(const MeshModel& a, const MeshModel& b, const Pose& bInA
 }
 
 struct LocalContactSearch::State {
-    /// Of two boxes, along the axes of A and of B; negative where they overlap, m.
-    struct BoxGaps {
-        Vector3f inA, inB;
-        bool within = false;
-    };
-    [[nodiscard]] BoxGaps gaps(const LeafShape& leafA, const LeafShape& leafB) const;
     void test(const LeafPair& pair, bool facing, bool boxesOverlap);
     void addOverlapping(const LeafPair& pair);
     void testFeatures(const FeatureMasks& masks, const LeafPair& pair);
@@ -39,9 +33,7 @@ struct LocalContactSearch::State {
     const MeshModel* b = nullptr;
     Pose bInA;
     LocalContactSettings settings;
-    Eigen::Matrix3f turn;   // absolute entries of the rotation
-    float boxRounding = 0;  // what rounding, and a rotation that is only nearly one, can take from a gap of boxes, m
-    NormalCone moreSpread;  // what a lean beyond the usual adds to the cones of leaves
+    detail::LeafFilter filter;
     detail::FeatureLimits limits;
     detail::MeshSide sideA, sideB;
     detail::LeafPlacer placerA, placerB;
@@ -62,10 +54,8 @@ void LocalContactSearch::start(const MeshModel& a, const MeshModel& b, const Pos
     s.b = &b;
     s.bInA = bInA;
     s.settings = settings;
-    s.turn = bInA.rotation.cwiseAbs();
-    s.boxRounding = 4e-6F * (a.tree.radius + b.tree.radius + bInA.translation.norm());
+    s.filter = detail::LeafFilter(a, b, bInA, settings.lean, settings.maxDistance);
     const float rounding = roundingOf(a, b, bInA);
-    s.moreSpread = detail::moreSpread(settings.lean);
     s.limits = {settings.maxDistance, rounding, settings.lean, a.solid, b.solid, false, false};
     s.sideA = detail::MeshSide(a, nullptr);
     s.sideB = detail::MeshSide(b, &s.bInA);
@@ -78,48 +68,25 @@ void LocalContactSearch::start(const MeshModel& a, const MeshModel& b, const Pos
     s.tested = 0;
 }
 
-LocalContactSearch::State::BoxGaps LocalContactSearch::State::gaps(const LeafShape& leafA,
-                                                                   const LeafShape& leafB) const {
-    const float reach = settings.maxDistance + boxRounding;
-    const auto isWithin = [&](const Vector3f& gap) { return gap.cwiseMax(0.0F).squaredNorm() <= reach * reach; };
-    const Vector3f offset = leafB.center - leafA.center;
-    BoxGaps gaps;
-    gaps.inA = offset.cwiseAbs() - (leafA.half + turn * leafB.half);
-    if (isWithin(gaps.inA)) {
-        gaps.inB = (bInA.rotation.transpose() * offset).cwiseAbs() - (leafB.half + turn.transpose() * leafA.half);
-        gaps.within = isWithin(gaps.inB);
-    }
-    return gaps;
-}
-
 bool LocalContactSearch::isNear(const LeafPair& pair) {
-    State& s = *m_state;
-    return s.gaps(s.placerA.shape(pair.leafA), s.placerB.shape(pair.leafB)).within;
+    return m_state->filter({&pair, 1}).within != 0;
 }
 
 std::size_t LocalContactSearch::add(std::span<const LeafPair> pairs, std::uint64_t mostWork) {
     State& s = *m_state;
     assert(s.a != nullptr);
     const std::uint64_t limit = mostWork > unlimited - s.work ? unlimited : s.work + mostWork;
-    const bool twoSided = !s.a->solid || !s.b->solid;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const LeafPair& pair = pairs[i];
-        const LeafShape& leafA = s.placerA.shape(pair.leafA);
-        const LeafShape& leafB = s.placerB.shape(pair.leafB);
-        const State::BoxGaps gaps = s.gaps(leafA, leafB);
-        if (!gaps.within) {
-            continue;
+    for (std::size_t first = 0; first < pairs.size(); first += detail::LeafFilter::width) {
+        const auto some = pairs.subspan(first, std::min(detail::LeafFilter::width, pairs.size() - first));
+        const detail::LeafMasks masks = s.filter(some);
+        for (std::uint32_t rest = masks.touching | masks.overlapping; rest != 0; rest &= rest - 1) {
+            const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+            const bool boxesOverlap = (masks.overlapping >> i & 1U) != 0;
+            if (limit - s.work < (boxesOverlap ? 3U : 1U)) {
+                return first + i;
+            }
+            s.test(some[i], (masks.touching >> i & 1U) != 0, boxesOverlap);
         }
-        const bool boxesOverlap = std::max(gaps.inA.maxCoeff(), gaps.inB.maxCoeff()) <= s.boxRounding;
-        const bool facing =
-            !(leafA.plain && leafB.plain) && detail::faceEachOther(leafA, leafB, s.moreSpread, twoSided);
-        if (!facing && !boxesOverlap) {
-            continue;
-        }
-        if (limit - s.work < (boxesOverlap ? 3U : 1U)) {
-            return i;
-        }
-        s.test(pair, facing, boxesOverlap);
     }
     return pairs.size();
 }

@@ -62,9 +62,10 @@ struct Settings {
     float slack = 0.01F;
     /// While two meshes have moved against each other by less than this share of the contact breaking threshold since
     /// their contacts were last searched for, the known ones are only brought up to date: 0..0.9. What comes nearer
-    /// meanwhile is found before it touches. Larger: bodies that hardly move cost less; smaller: contacts follow
-    /// rolling and rocking more closely. 0: a search in every step.
-    float reuse = 0.5F;
+    /// meanwhile is found before its margins touch: contacts are searched for as far beyond the margins as bodies get
+    /// by this or in one step, and kept up to the breaking threshold. Larger: fewer searches; smaller: cheaper ones, and
+    /// contacts follow rolling and rocking more closely. 0: a search in every step.
+    float reuse = 0.75F;
     /// Sine of the angle by which a surface may lean towards the other and still touch with all its corners:
     /// 0..0.5. See LocalContactSettings::lean.
     float lean = 0.08F;

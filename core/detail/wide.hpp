@@ -231,6 +231,7 @@ GRAPESHOT_WIDE_3(Float16, select, Mask16, Float16, Float16, one::IfThenElse)  //
 
 // wide(x): all lanes x. load/store: 16 floats, aligned to 64 bytes; the U variants: any address. spreadA: lane i =
 // p[i / 4]; repeatB: lane i = p[i % 4] (four floats at any address): together all 4 x 4 combinations, lane = 4 a + b.
+// leastOfFours, mostOfFours: in each lane the least (most) of the lanes 4 k to 4 k + 3 that it is one of; no NaN.
 // storeInt: to 16 int32 (aligned to 64 bytes), truncated; values must fit.
 #if HWY_TARGET == HWY_SCALAR
 
@@ -265,6 +266,24 @@ HWY_INLINE Float16 repeatB(const float* p) {
     const Lanes four = {p[0], p[1], p[2], p[3]};
     return {{four, four, four, four}};
 }
+HWY_INLINE Float16 leastOfFours(Float16 a) {
+    Float16 result;
+    for (int i = 0; i < 4; ++i) {
+        const Lanes& from = a.part[i];
+        const Lanes pairs = one::Min(from, Lanes{from[1], from[0], from[3], from[2]});
+        result.part[i] = one::Min(pairs, Lanes{pairs[2], pairs[3], pairs[0], pairs[1]});
+    }
+    return result;
+}
+HWY_INLINE Float16 mostOfFours(Float16 a) {
+    Float16 result;
+    for (int i = 0; i < 4; ++i) {
+        const Lanes& from = a.part[i];
+        const Lanes pairs = one::Max(from, Lanes{from[1], from[0], from[3], from[2]});
+        result.part[i] = one::Max(pairs, Lanes{pairs[2], pairs[3], pairs[0], pairs[1]});
+    }
+    return result;
+}
 /// Bit i = lane i.
 HWY_INLINE std::uint32_t bits(Mask16 a) {
     std::uint32_t result = 0;
@@ -285,6 +304,20 @@ HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
 
 #elif HWY_TARGET == HWY_AVX2
 
+HWY_INLINE RegisterFloats leastOfFours(RegisterFloats a) {
+    const RegisterFloats pairs = one::Min(a, one::Shuffle2301(a));
+    return one::Min(pairs, one::Shuffle1032(pairs));
+}
+HWY_INLINE RegisterFloats mostOfFours(RegisterFloats a) {
+    const RegisterFloats pairs = one::Max(a, one::Shuffle2301(a));
+    return one::Max(pairs, one::Shuffle1032(pairs));
+}
+HWY_INLINE Float16 leastOfFours(Float16 a) {
+    return {leastOfFours(a.low), leastOfFours(a.high)};
+}
+HWY_INLINE Float16 mostOfFours(Float16 a) {
+    return {mostOfFours(a.low), mostOfFours(a.high)};
+}
 HWY_INLINE Float16 wide(float x) {
     const RegisterFloats all = one::Set(Register(), x);
     return {all, all};
@@ -334,6 +367,20 @@ HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
 
 #else
 
+HWY_INLINE RegisterFloats leastOfFours(RegisterFloats a) {
+    const RegisterFloats pairs = one::Min(a, one::Shuffle2301(a));
+    return one::Min(pairs, one::Shuffle1032(pairs));
+}
+HWY_INLINE RegisterFloats mostOfFours(RegisterFloats a) {
+    const RegisterFloats pairs = one::Max(a, one::Shuffle2301(a));
+    return one::Max(pairs, one::Shuffle1032(pairs));
+}
+HWY_INLINE Float16 leastOfFours(Float16 a) {
+    return {leastOfFours(a.all)};
+}
+HWY_INLINE Float16 mostOfFours(Float16 a) {
+    return {mostOfFours(a.all)};
+}
 HWY_INLINE Float16 wide(float x) {
     return {one::Set(Register(), x)};
 }

@@ -31,16 +31,4 @@ inline constexpr float leafSpare = 0.2F;
     return {std::cos(lacking), std::sin(lacking)};
 }
 
-/// Can a corner, edge or face of A's leaf touch one of B's? Both axes in one frame. Sheets have two sides.
-[[nodiscard]] inline bool faceEachOther(const LeafShape& a, const LeafShape& b, const NormalCone& more, bool twoSided) {
-    // Cosine and sine of the sum of the three angles; from a half turn on the sine is negative.
-    const float sineOfBoth = a.sinSpread * b.cosSpread + a.cosSpread * b.sinSpread;
-    const float cosineOfBoth = a.cosSpread * b.cosSpread - a.sinSpread * b.sinSpread;
-    const float sine = sineOfBoth * more.cosine + cosineOfBoth * more.sine;
-    const float cosine = cosineOfBoth * more.cosine - sineOfBoth * more.sine;
-    const float facing = -a.axis.dot(b.axis);
-    return sineOfBoth <= 0 || sine <= 0 || a.cosSpread <= -1 || b.cosSpread <= -1 || facing >= cosine ||
-           (twoSided && -facing >= cosine);
-}
-
 }  // namespace grapeshot::detail

@@ -62,17 +62,13 @@ void LeafPlacer::start(const MeshSide& side, float lean) {
     }
 }
 
-LeafPlacer::Entry& LeafPlacer::makeEntry(std::uint32_t leaf, Place& place) {
+LeafPlacer::Entry& LeafPlacer::makeEntry(Place& place) {
     if (m_used == m_chunks.size() * chunk) {
         m_chunks.emplace_back(chunk);
     }
     place = {m_epoch, m_used++};
     Entry& made = at(place.index);
     made.hasRows = made.hasTriangles = false;
-    LeafShape& shape = made.leaf.shape;
-    shape = m_side.model().leafShapes[leaf];
-    shape.center = m_side.pointToA(shape.center);
-    shape.axis = m_side.directionToA(shape.axis);
     return made;
 }
 

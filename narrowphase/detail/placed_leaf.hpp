@@ -30,7 +30,6 @@ struct alignas(64) LeafRows {
 };
 
 struct PlacedLeaf {
-    LeafShape shape;  ///< the half extents stay along the axes of the leaf's own mesh
     LeafRows rows;
     std::array<PlacedTriangle, 4> triangle;  ///< as MeshSide::place gives them; unused lanes are stale
 };
@@ -41,7 +40,6 @@ class LeafPlacer {
     /// Forgets everything; memory is kept. `lean` as LocalContactSettings::lean.
     void start(const MeshSide& side, float lean);
 
-    [[nodiscard]] const LeafShape& shape(std::uint32_t leaf) { return entry(leaf).leaf.shape; }
     [[nodiscard]] const LeafRows& rows(std::uint32_t leaf) {
         Entry& found = entry(leaf);
         if (!found.hasRows) {
@@ -73,10 +71,10 @@ class LeafPlacer {
 
     Entry& entry(std::uint32_t leaf) {
         Place& place = m_places[leaf];
-        return place.epoch == m_epoch ? at(place.index) : makeEntry(leaf, place);
+        return place.epoch == m_epoch ? at(place.index) : makeEntry(place);
     }
     Entry& at(std::uint32_t index) { return m_chunks[index / chunk][index % chunk]; }
-    Entry& makeEntry(std::uint32_t leaf, Place& place);
+    Entry& makeEntry(Place& place);
     void fillRows(std::uint32_t leaf, LeafRows& rows) const;
     void fillTriangles(std::uint32_t leaf, std::array<PlacedTriangle, 4>& triangles) const;
 

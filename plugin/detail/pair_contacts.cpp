@@ -42,17 +42,25 @@ PairSize sizeOf(const PairShapes& shapes) {
     return size;
 }
 
-PairSettings pairSettings(const PairTask& task) {
+/// How far contacts are searched for, m: what comes nearer until the next search, by the motion that makes one due or
+/// within one step, is known before its margins touch. Patches of contact grow with it, and what a search costs.
+static float searchDistance(const PairTask& task, float approach) {
+    constexpr float spare = 0.05F;  // of the breaking threshold
+    const float ahead = std::max(task.settings->reuse * task.breaking, approach) + spare * task.breaking;
+    return ahead < task.breaking ? task.maxDistance - task.breaking + ahead : task.maxDistance;
+}
+
+PairSettings pairSettings(const PairTask& task, float approach) {
     const Settings& chosen = *task.settings;
     PairSettings settings;
     settings.method = chosen.method;
     settings.features = {chosen.searchWork, chosen.seed, task.pair};
-    settings.maxDistance = task.maxDistance;
+    settings.maxDistance = searchDistance(task, approach);
     settings.slack = chosen.slack * task.size.size;
     settings.reuseMotion = chosen.reuse * task.breaking;
     settings.interior = chosen.interior;
     settings.local.lean = chosen.lean;
-    settings.local.maxDistance = task.maxDistance;
+    settings.local.maxDistance = settings.maxDistance;
     settings.set.maxDistance = task.maxDistance;
     settings.set.mergeDistance = chosen.mergeDistance * task.size.size;
     settings.set.maxRegions = chosen.maxManifolds;
@@ -71,7 +79,7 @@ PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
     if (sweeps && !touched && budget.work != unlimited) {
         budget.work /= 2;  // they have not met yet: what is ahead of them counts as much
     }
-    const PairSettings settings = pairSettings(task);
+    const PairSettings settings = pairSettings(task, task.timeStep > 0 ? stepApproach(shapes, task) : anyApproach);
     const Pose pose = toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()));
     PairResult result = shapes.modelB
                             ? update(*shapes.modelA->mesh, *shapes.modelB->mesh, pose, settings, budget, m_state)

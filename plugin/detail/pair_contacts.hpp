@@ -3,6 +3,7 @@
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -37,7 +38,7 @@ struct PairTask {
     std::uint64_t pair = 0;  ///< see `pairKey`
     Budget budget;
     PairSize size;
-    float maxDistance = 0;      ///< of the surfaces: margins and breaking threshold, m
+    float maxDistance = 0;      ///< of the surfaces: margins and breaking threshold, m; contacts are kept up to it
     float breaking = 0;         ///< that threshold, m
     float closestDistance = 0;  ///< queries: the nearest points up to this distance, if nothing is nearer, m
     btScalar timeStep = 0;      ///< s; 0: no contacts ahead of time
@@ -75,7 +76,9 @@ class PairContacts {
     bool m_swept = false;  // nothing ahead was left out in this step
 };
 
-[[nodiscard]] PairSettings pairSettings(const PairTask& task);
+/// `approach`: what the two may come nearer to each other by in the coming step, m.
+[[nodiscard]] PairSettings pairSettings(const PairTask& task, float approach);
+inline constexpr float anyApproach = std::numeric_limits<float>::infinity();  ///< where that is not known
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

@@ -256,22 +256,18 @@ std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float rea
     return solidContacts(*shapes.modelA->mesh, {shapes.b->getCollisionShape(), toTransform(bInA)}, reach, local, found);
 }
 
-namespace {
-
-/// What the two may approach each other by in the whole step, m.
-btScalar stepApproach(const PairShapes& shapes, const PairTask& task) {
+float stepApproach(const PairShapes& shapes, const PairTask& task) {
     const btScalar radiusB = shapes.modelB ? btScalar(shapes.modelB->mesh->tree.radius)
                                            : 2 * btScalar(sizeOf(*shapes.b->getCollisionShape()).halfDiagonal);
-    return approachBound(*shapes.a, btScalar(shapes.modelA->mesh->tree.radius), *shapes.b, radiusB, task.timeStep);
+    return static_cast<float>(
+        approachBound(*shapes.a, btScalar(shapes.modelA->mesh->tree.radius), *shapes.b, radiusB, task.timeStep));
 }
-
-}  // namespace
 
 float sweptMotion(const PairShapes& shapes, const PairTask& task) {
     if (!(task.timeStep > 0) || !task.settings->speculative) {
         return 0;
     }
-    const float motion = std::min(static_cast<float>(stepApproach(shapes, task)), task.settings->speculativeLimit);
+    const float motion = std::min(stepApproach(shapes, task), task.settings->speculativeLimit);
     const bool fast = motion > std::max(0.5F * task.size.thickness, task.maxDistance) && std::isfinite(motion);
     return fast ? motion : 0.0F;
 }
@@ -282,7 +278,7 @@ Swept sweptContacts(const PairShapes& shapes, const PairTask& task, const PairSe
     if (!(motion > 0)) {
         return {};
     }
-    const btScalar seconds = task.timeStep * btMin(btScalar(1), btScalar(motion) / stepApproach(shapes, task));
+    const btScalar seconds = task.timeStep * btMin(btScalar(1), btScalar(motion / stepApproach(shapes, task)));
     return Sweep(shapes, task, settings, budget, now).run(motion, seconds, ahead);
 }
 

@@ -17,7 +17,9 @@ namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 namespace detail {
 
-/// What they may approach each other by in the coming step, m, if that is so much that they have to be looked at on the
+/// What the two may approach each other by in the coming step, m; not finite if that is not known. No work.
+[[nodiscard]] float stepApproach(const PairShapes& shapes, const PairTask& task);
+/// The same, but no more than the settings' limit, if that is so much that they have to be looked at on the
 /// way; else 0. No bounds, no work.
 [[nodiscard]] float sweptMotion(const PairShapes& shapes, const PairTask& task);
 

@@ -70,7 +70,7 @@ btScalar breakingThreshold(const btCollisionShape& a, const btCollisionShape& b)
                  b.getContactBreakingThreshold(gContactBreakingThreshold));
 }
 
-/// What the pair's search looks for, by adb.
+/// What the pair's search looks for at least, by adb.
 PairSettings exactSettings(const btCollisionShape& a, const btCollisionShape& b, const Settings& settings) {
     detail::PairShapes shapes;
     shapes.modelA = detail::ShapeModels::instance().present(a);
@@ -80,7 +80,7 @@ PairSettings exactSettings(const btCollisionShape& a, const btCollisionShape& b,
     task.size = detail::sizeOf(shapes);
     task.breaking = static_cast<float>(breakingThreshold(a, b));
     task.maxDistance = static_cast<float>(detail::marginOf(a) + detail::marginOf(b)) + task.breaking;
-    PairSettings exact = detail::pairSettings(task);
+    PairSettings exact = detail::pairSettings(task, 0);
     exact.method = Method::adb;
     return exact;
 }

@@ -449,6 +449,30 @@ TEST(LocalContacts, TheFilterLeavesNothingOut) {
     EXPECT_GT(deepSeen, 100U);
 }
 
+/// Of finely tessellated bodies most leaves that are within reach lie beside each other.
+TEST(LocalContacts, LeavesBesideEachOtherCostNothing) {
+    const MeshModel a = makeModel(scenes::bumpySphere(1.0F, 0.25F, 7, 100, 77).view());
+    test::Random random(3);
+    LocalContactSearch search;
+    std::size_t near = 0;
+    std::size_t tested = 0;
+    for (int i = 0; i < 20; ++i) {
+        const Pose pose = posed(a, a, random.uniform(0.03, 0.045), random);
+        LeafPairs leaves;
+        Query(a.tree, a.tree).leafPairs(pose, {0.06F, Order::depthFirst}, {}, leaves);
+        search.start(a, a, pose, {0.08F, 0.06F});
+        near += std::count_if(leaves.pairs.begin(), leaves.pairs.end(),
+                              [&](const LeafPair& pair) { return search.isNear(pair); });
+        search.add(leaves.pairs);
+        tested += search.tested();
+        ContactList contacts;
+        search.finish(contacts);
+        EXPECT_FALSE(contacts.empty());
+    }
+    EXPECT_GT(tested, 0U);
+    EXPECT_LT(tested * 2, near);
+}
+
 TEST(LocalContacts, FlatPartsInAnyPoseAreFilteredLikeOthers) {
     // Faces on faces, edges along edges, corners on corners: where the filter's tolerances matter.
     const MeshModel a = makeModel(scenes::box({0.5F, 0.4F, 0.6F}, 3).view());
