@@ -3,6 +3,7 @@
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include <grapeshot/adb/point_query.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
@@ -16,6 +17,9 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr std::size_t mostVertices = 64;
+/// Radians by which the body may turn about the place where it touches, in the rest of the step. For the solver a turn
+/// is a straight way, and Bullet cuts turns of more than pi / 4 short, but not the way that goes with them.
+constexpr float mostTurn = 0.2F;
 
 /// One of the two bodies, in a frame of its own.
 struct Side {
@@ -72,8 +76,7 @@ void stopPoints(const PairShapes& shapes, const PairSize& size, const FirstTouch
     const Vector3f& onOther = moverIsA ? touch.contact.onB : touch.contact.onA;
     const Vector3f along = out.unitOrthogonal();
     const Vector3f across = out.cross(along);
-    const Vector3f normalInB = touch.then.rotation.transpose() * touch.contact.normal;
-    const Vector3f normalNow = touch.now.rotation * normalInB;
+    const Vector3f normalInB = touch.now.rotation.transpose() * touch.normalNow;
     // The plane as it is now: fixed to the other body.
     const Vector3f onOtherNow = moverIsA ? apply(touch.now, apply(inverse(touch.then), onOther)) : onOther;
 
@@ -82,16 +85,19 @@ void stopPoints(const PairShapes& shapes, const PairSize& size, const FirstTouch
     for (const Vector3f& side : {along, Vector3f(-along), across, Vector3f(-across)}) {
         const Vector3f local = mover.farthest(moverThen.rotation.transpose() * (side - 0.1F * out));
         const Vector3f there = apply(moverThen, local);
-        const Vector3f onPlane = there - out * out.dot(there - onOther);
+        const float thereAbove = out.dot(there - onOther);
+        const Vector3f onPlane = there - out * thereAbove;
         if (!other.isNear(apply(otherThen, onPlane), size.size)) {
             continue;
         }
         const Vector3f here = apply(moverNow, local);
-        const Vector3f outNow = moverIsA ? normalNow : Vector3f(-normalNow);
-        const float distance = outNow.dot(here - onOtherNow);
-        if (distance < 0) {
+        const Vector3f outNow = moverIsA ? touch.normalNow : Vector3f(-touch.normalNow);
+        const float above = outNow.dot(here - onOtherNow);
+        if (above < 0) {
             continue;  // it is past it already, which is the contacts' own business
         }
+        const float further = std::min(thereAbove, mostTurn * (onPlane - onOther).norm());
+        const float distance = std::max(0.0F, above - thereAbove + further);
         const Vector3f foot = here - distance * outNow;
         PersistentPoint& point = slot.points[static_cast<std::size_t>(slot.count++)];
         point = {};

@@ -45,7 +45,18 @@ class Sweep {
 
     /// `motion` (m) is what the bodies may approach by in the first `seconds` of the step.
     Swept run(float motion, btScalar seconds, ContactSet& ahead) {
-        stopWhereTheyTouch(seconds, ahead);
+        stopWhereTheyTouch(seconds);
+        const bool complete = lookAhead(motion, seconds, ahead);
+        for (RegionSlot& slot : m_stops) {
+            slot.id = ahead.nextId++;
+            ahead.slots.push_back(slot);
+        }
+        return {m_purse.spent(), complete};
+    }
+
+  private:
+    /// False if the budget ended it.
+    bool lookAhead(float motion, btScalar seconds, ContactSet& ahead) {
         // In strides of half their thickness bodies overlap at some moment on the way, unless they do already. Where
         // that is too many, they are looked at as often as their contact distance says.
         const float fine = 0.5F * m_task.size.thickness;
@@ -65,11 +76,11 @@ class Sweep {
             const btScalar here = seconds * btScalar(k) / btScalar(steps);
             (hits(here) ? after : before) = here;
             if (m_purse.isEmpty()) {
-                return {m_purse.spent(), false};
+                return false;
             }
         }
         if (after <= 0) {
-            return {m_purse.spent(), true};
+            return true;
         }
         for (int i = 0; i < bisections && !m_purse.isEmpty(); ++i) {
             const btScalar middle = (before + after) / 2;
@@ -85,12 +96,11 @@ class Sweep {
             ContactSetSettings set = m_settings.set;
             set.maxDistance = motion + m_settings.maxDistance;
             merge(ahead, m_found, m_now, true, set);
-            stop(ahead);
+            stop();
         }
-        return {m_purse.spent(), !m_purse.isEmpty()};
+        return !m_purse.isEmpty();
     }
 
-  private:
     [[nodiscard]] Pose poseAt(btScalar seconds) const {
         return toPose(relative(predicted(*m_shapes.a, m_motionA, seconds), predicted(*m_shapes.b, m_motionB, seconds)));
     }
@@ -141,7 +151,7 @@ class Sweep {
     }
 
     /// Held at a few points alone, it would turn about them and go through.
-    void stopWhereTheyTouch(btScalar seconds, ContactSet& ahead) {
+    void stopWhereTheyTouch(btScalar seconds) {
         const btVector3 velocity = m_motionA.velocity - m_motionB.velocity;
         const btMatrix3x3& turn = m_shapes.a->getWorldTransform().getBasis();
         for (const RegionSlot& slot : m_touching.slots) {
@@ -149,20 +159,20 @@ class Sweep {
                 continue;
             }
             const PersistentPoint& point = slot.points[0];
-            FirstTouch touch{{}, m_now, m_now};
+            FirstTouch touch{{}, m_now, m_now, {}};
             touch.contact.onA = point.localA;
             touch.contact.onB = apply(m_now, point.localB);
-            touch.contact.normal = m_now.rotation * point.normalInB;
+            touch.contact.normal = touch.normalNow = m_now.rotation * point.normalInB;
             touch.contact.triangleA = point.triangleA;
             touch.contact.triangleB = point.triangleB;
             const auto approach = -static_cast<float>(velocity.dot(turn * toBullet(touch.contact.normal)) * seconds);
             if (approach > std::max(0.5F * m_task.size.thickness, m_settings.maxDistance)) {
-                addStop(touch, ahead);
+                addStop(touch);
             }
         }
     }
 
-    void addStop(const FirstTouch& touch, ContactSet& ahead) {
+    void addStop(const FirstTouch& touch) {
         if (m_purse.left().work < stopWork) {
             return;
         }
@@ -170,34 +180,34 @@ class Sweep {
         stopPoints(m_shapes, m_task.size, touch, slot);
         m_purse.pay(stopWork);
         if (slot.count > 0) {
-            slot.id = ahead.nextId++;
-            ahead.slots.push_back(slot);
+            m_stops.push_back(slot);
         }
     }
 
     /// Whatever touches first, the rest of the body is not to go through there. After `collect` has found something.
-    void stop(ContactSet& ahead) {
-        FirstTouch touch{{}, m_thenPose, m_now};
+    void stop() {
+        FirstTouch touch{{}, m_thenPose, m_now, {}};
         float least = std::numeric_limits<float>::infinity();
         for (const SurfaceContact& contact : m_then) {
-            if (contact.signedDistance < least && !touchesThere(thenToNow(m_thenPose) * contact.normal)) {
+            const Eigen::Vector3f normalNow = m_turnToNow * contact.normal;
+            if (contact.signedDistance < least && !touchesThere(normalNow)) {
                 least = contact.signedDistance;
                 touch.contact = contact;
+                touch.normalNow = normalNow;
             }
         }
         if (least < std::numeric_limits<float>::infinity()) {
-            addStop(touch, ahead);
+            addStop(touch);
         }
-    }
-
-    /// Of directions fixed to B, A's frame.
-    [[nodiscard]] Eigen::Matrix3f thenToNow(const Pose& then) const {
-        return m_now.rotation * then.rotation.transpose();
     }
 
     /// The contacts of that time within `reach` which are none now, in m_found, as they are now.
     void collect(btScalar seconds, float reach) {
         const Pose then = m_thenPose = poseAt(seconds);
+        // A direction in the world, seen from A.
+        const btMatrix3x3 turn = m_shapes.a->getWorldTransform().getBasis().transpose() *
+                                 predicted(*m_shapes.a, m_motionA, seconds).getBasis();
+        m_turnToNow = toPose(btTransform(turn)).rotation;
         m_then.clear();
         m_found.clear();
         if (!isRigid(then)) {
@@ -207,13 +217,14 @@ class Sweep {
         const Pose thenToNow = compose(m_now, inverse(then));  // of points fixed to B, A's frame
         for (SurfaceContact contact : m_then) {
             contact.onB = apply(thenToNow, contact.onB);
-            contact.normal = thenToNow.rotation * contact.normal;
+            contact.normal = m_turnToNow * contact.normal;
             contact.signedDistance = contact.normal.dot(contact.onA - contact.onB);
             if (m_motionA.velocity.length2() >= m_motionB.velocity.length2()) {
                 // They come together aslant too. The faster one's point counts, or its lever would be wrong.
                 contact.onB = contact.onA - contact.signedDistance * contact.normal;
             }
-            if (contact.signedDistance > m_settings.maxDistance && !touchesThere(contact.normal)) {
+            if (contact.signedDistance > static_cast<float>(m_shapes.marginA + m_shapes.marginB) &&
+                !touchesThere(contact.normal)) {
                 m_found.push_back(contact);
             }
         }
@@ -234,12 +245,14 @@ class Sweep {
     Motion m_motionA, m_motionB;
     Pose m_now;
     Pose m_thenPose;  // of m_then
+    Eigen::Matrix3f m_turnToNow = Eigen::Matrix3f::Identity();
     const Tree* m_large = nullptr;
     Eigen::Vector3f m_middle = Eigen::Vector3f::Zero();  // of the ball, in the smaller body's frame
     float m_radius = 0;
     bool m_smallIsA = false;
     std::optional<Query> m_query;
     std::vector<SurfaceContact> m_then, m_found;
+    std::vector<RegionSlot> m_stops;  // apart: for a merge they would be what has vanished
 };
 
 }  // namespace
