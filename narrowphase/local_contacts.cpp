@@ -130,11 +130,7 @@ void LocalContactSearch::State::testFeatures(const FeatureMasks& masks, const Le
     const auto each = [&](std::uint32_t mask, auto&& visit) {
         for (; mask != 0; mask &= mask - 1) {
             const auto lane = static_cast<std::uint32_t>(std::countr_zero(mask));
-            const PlacedTriangle& ta = trianglesA[lane >> 2U];
-            const PlacedTriangle& tb = trianglesB[lane & 3U];
-            if (features.canTouch(ta, tb)) {
-                visit(ta, tb);
-            }
+            visit(trianglesA[lane >> 2U], trianglesB[lane & 3U]);
         }
     };
     using Placed = const PlacedTriangle&;

@@ -50,9 +50,6 @@ struct FeatureContacts::CornerAndFace {
 };
 
 void FeatureContacts::everything(const PlacedTriangle& a, const PlacedTriangle& b) {
-    if (!canTouch(a, b)) {
-        return;
-    }
     for (unsigned i = 0; i < 3; ++i) {
         cornerBFaceA(a, b, i);
         cornerAFaceB(a, i, b);

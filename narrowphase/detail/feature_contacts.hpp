@@ -35,10 +35,6 @@ class FeatureContacts {
           m_cosLean(std::cos(coneWidening(settings.lean))),
           m_sinLean(std::sin(coneWidening(settings.lean))) {}
 
-    /// Triangles of two solids that face the same way have no contact: at every contact some face each other.
-    [[nodiscard]] bool canTouch(const PlacedTriangle& a, const PlacedTriangle& b) const {
-        return !m_a->model().solid || !m_b->model().solid || !(a.normal.dot(b.normal) > m_settings.lean);
-    }
     void cornerBFaceA(const PlacedTriangle& a, const PlacedTriangle& b, unsigned corner) {
         cornerAndFace(*m_b, b, corner, *m_a, a);
     }

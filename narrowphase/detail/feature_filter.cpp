@@ -104,9 +104,8 @@ struct Slack {
 
 /// Corners of one triangle over the other's plane, and beyond its edges.
 struct CornersOverFace {
-    Float16 height[3];      ///< [corner] above the plane
-    Float16 beyond[3][3];   ///< [corner][edge]: out of the face across the edge, in its plane, m
-    Float16 forward[3][3];  ///< [corner][edge]: along the edge from its first corner, m
+    Float16 height[3];     ///< [corner] above the plane
+    Float16 beyond[3][3];  ///< [corner][edge]: out of the face across the edge, in its plane, m
 };
 
 HWY_INLINE void heightsOver(const Outline16& face, const Outline16& other, Float16 (&height)[3]) {
@@ -140,6 +139,9 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
                          std::uint32_t (&out)[3]) {
     const Float16 zero = wide(0);
     for (int c = 0; c < 3; ++c) {
+        if (out[c] == 0U) {
+            continue;
+        }
         // The edges at the corner rise from it (towards the side that its body is on: of a sheet, either).
         const Float16 climbNext = over.height[next(c)] - over.height[c];
         const Float16 climbPrevious = over.height[previous(c)] - over.height[c];
@@ -172,11 +174,11 @@ HWY_INLINE void overFace(const Outline16& face, const Outline16& other, const Co
     }
 }
 
-/// Fills `forward`; corners that may be nearest to the edges of the face's triangle, in the wedge between its two
+/// Corners that may be nearest to the edges of the face's triangle, in the wedge between its two
 /// faces. `across(e)`: normal of the other face at the edge.
 template <class Across>
 HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const Slack& slack, const Across& across,
-                            CornersOverFace& over, std::uint32_t (&out)[3][3]) {
+                            const CornersOverFace& over, std::uint32_t (&out)[3][3]) {
     const Float16 squaredReach = slack.reach * slack.reach;
     Float16 ends[3];
     for (int e = 0; e < 3; ++e) {  // rounding turns a short edge's direction
@@ -185,11 +187,14 @@ HWY_INLINE void beforeEdges(const Outline16& face, const Outline16& other, const
     }
     for (int c = 0; c < 3; ++c) {
         for (int e = 0; e < 3; ++e) {
+            if (out[c][e] == 0U) {
+                continue;
+            }
             const Vector16 from = other.corner[c] - face.corner[e];
-            over.forward[c][e] = dot(face.along[e], from);
+            const Float16 forward = dot(face.along[e], from);
             const Float16 square = over.height[c] * over.height[c] + over.beyond[c][e] * over.beyond[c][e];
             const Mask16 near = (square <= squaredReach) & (over.beyond[c][e] >= -slack.lateral) &
-                                (over.forward[c][e] >= -ends[e]) & (over.forward[c][e] <= face.length[e] + ends[e]);
+                                (forward >= -ends[e]) & (forward <= face.length[e] + ends[e]);
             out[c][e] &= bits(near);
             if (out[c][e] != 0U) {
                 const Vector16 beyond = cross(across(e), face.along[e]);  // out of the other face
@@ -237,6 +242,9 @@ HWY_INLINE void crossEdges(const Outline16& a, const Outline16& b, Mask16 crossi
     for (int i = 0; i < 3; ++i) {
         const Vector16 farA = acrossA(i);
         for (int j = 0; j < 3; ++j) {
+            if (out[i][j] == 0U) {
+                continue;
+            }
             const Float16 farB = dot(acrossB(j), a.along[i]);
             const Float16 farOfA = dot(farA, b.along[j]);
             const Float16 forward = max(max(ownA[j], -farOfA), max(ownB[i], -farB));
@@ -248,6 +256,17 @@ HWY_INLINE void crossEdges(const Outline16& a, const Outline16& b, Mask16 crossi
             }
         }
     }
+}
+
+/// Is corner i of A within reach of corner j of B, each before the ends of the edges at the other?
+HWY_INLINE Mask16 cornersMeet(const Outline16& a, int i, const Outline16& b, int j, const Slack& slack) {
+    const Vector16 apart = b.corner[j] - a.corner[i];
+    // The way along an edge from the corner, and back from its other end.
+    const auto beforeBoth = [&](const Outline16& own, int corner, Vector16 offset) HWY_ATTR {
+        return (dot(own.along[corner], offset) <= slack.lateral) &
+               (dot(own.along[previous(corner)], offset) >= -slack.lateral);
+    };
+    return (dot(apart, apart) <= slack.reach * slack.reach) & beforeBoth(a, i, apart) & beforeBoth(b, j, -apart);
 }
 
 void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLimits& limits, FeatureMasks& out) {
@@ -278,9 +297,6 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     }
     // A plane with the whole other triangle beyond reach parts the two.
     Mask16 near = (lowA <= slack.reach) & (lowB <= slack.reach) & (highA >= -slack.reach) & (highB >= -slack.reach);
-    if (limits.solidA && limits.solidB) {
-        near = near & (dot(a.normal, b.normal) <= wide(limits.lean + 1e-3F));
-    }
     std::uint32_t open = bits(near) & valid;
     if (open == 0U) {
         return;
@@ -301,22 +317,30 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     std::uint32_t gapA[3];
     std::uint32_t gapB[3];
     std::uint32_t sharp[3][3];
-    std::uint32_t bent = 0;  // any pair with a bent edge: those can have more than a corner over a face
+    // Every contact once, from the first triangles at its corner and edge. Where triangles cut each other, from all:
+    // what lies deep in the other counts only if its own triangle does (FeatureContacts::counts).
+    const std::uint32_t cuts = open & bits(crossing);
+    std::uint32_t cornersB[3];
+    std::uint32_t edgesB[3];
+    for (int j = 0; j < 3; ++j) {
+        cornersB[j] = repeatMask(leafB.sharpCorner[j]) & open & (cuts | repeatMask(leafB.ownCorner[j]));
+        edgesB[j] = repeatMask(leafB.bent[j]) & open & (cuts | repeatMask(leafB.ownEdge[j]));
+        out.cornerBFaceA[j] = cornersB[j];
+    }
+    std::uint32_t more = 0;  // pairs that can have more than a corner over a face
     for (int i = 0; i < 3; ++i) {
         gapA[i] = spreadMask(leafA.gap[i]);
         gapB[i] = repeatMask(leafB.gap[i]);
-        const std::uint32_t cornerA = open & spreadMask(leafA.sharpCorner[i]);
-        const std::uint32_t cornerB = open & repeatMask(leafB.sharpCorner[i]);
+        const std::uint32_t cornerA = spreadMask(leafA.sharpCorner[i]) & open & (cuts | spreadMask(leafA.ownCorner[i]));
+        const std::uint32_t edgeA = spreadMask(leafA.bent[i]) & open & (cuts | spreadMask(leafA.ownEdge[i]));
         out.cornerAFaceB[i] = cornerA;
-        out.cornerBFaceA[i] = cornerB;
         for (int j = 0; j < 3; ++j) {
-            const std::uint32_t edgeB = open & repeatMask(leafB.bent[j]);
-            out.edges[i][j] = spreadMask(leafA.bent[i]) & edgeB;
-            out.cornerBEdgeA[i][j] = cornerB & spreadMask(leafA.bent[j]);
-            out.cornerAEdgeB[i][j] = cornerA & edgeB;
-            out.corners[i][j] = cornerA & repeatMask(leafB.sharpCorner[j]);
+            out.edges[i][j] = edgeA & edgesB[j];
+            out.cornerAEdgeB[i][j] = cornerA & edgesB[j];
+            out.cornerBEdgeA[j][i] = cornersB[j] & edgeA;
+            out.corners[i][j] = cornerA & cornersB[j];
             sharp[i][j] = spreadMask(leafA.sharp[i]) & repeatMask(leafB.sharp[j]);
-            bent |= out.edges[i][j] | out.cornerBEdgeA[i][j] | out.cornerAEdgeB[i][j];
+            more |= out.edges[i][j] | out.cornerAEdgeB[i][j] | out.cornerBEdgeA[j][i] | out.corners[i][j];
         }
     }
     overFace(a, b, conesB(leafB), slack, limits.solidA, limits.solidB, overA, gapA, out.cornerBFaceA);
@@ -325,13 +349,8 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     for (int i = 0; i < 3; ++i) {
         any |= out.cornerBFaceA[i] | out.cornerAFaceB[i];
     }
-    if (bent == 0U) {  // two flat pieces, or an edge's end over one: a sharp corner has bent edges
+    if (more == 0U) {
         out.any = any;
-        for (auto& row : out.corners) {
-            for (auto& lanes : row) {
-                lanes = 0;
-            }
-        }
         return;
     }
 
@@ -346,16 +365,11 @@ void featureKernel(const LeafRows& leafA, const LeafRows& leafB, const FeatureLi
     crossEdges(
         a, b, crossing, slack, exactLean, sharp, [&](int e) HWY_ATTR { return spreadRows(leafA.across[e]); },
         [&](int e) HWY_ATTR { return repeatRows(leafB.across[e]); }, out.edges);
-    const Float16 squaredReach = slack.reach * slack.reach;
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            // Corner i of A and corner j of B, each before the ends of the edges at the other.
-            const Vector16 apart = b.corner[j] - a.corner[i];
-            const Mask16 touch = (dot(apart, apart) <= squaredReach) & (overA.forward[j][i] <= slack.lateral) &
-                                 (overA.forward[j][previous(i)] >= a.length[previous(i)] - slack.lateral) &
-                                 (overB.forward[i][j] <= slack.lateral) &
-                                 (overB.forward[i][previous(j)] >= b.length[previous(j)] - slack.lateral);
-            out.corners[i][j] &= bits(touch);
+            if (out.corners[i][j] != 0U) {
+                out.corners[i][j] &= bits(cornersMeet(a, i, b, j, slack));
+            }
             any |= out.edges[i][j] | out.cornerBEdgeA[i][j] | out.cornerAEdgeB[i][j] | out.corners[i][j];
         }
     }

@@ -87,7 +87,7 @@ void LeafPlacer::fillRows(std::uint32_t leaf, LeafRows& rows) const {
     const unsigned bends = bentEdges(model);
     rows.valid = 0;
     for (unsigned i = 0; i < 3; ++i) {
-        rows.sharpCorner[i] = rows.bent[i] = rows.sharp[i] = rows.gap[i] = 0;
+        rows.sharpCorner[i] = rows.bent[i] = rows.sharp[i] = rows.gap[i] = rows.ownCorner[i] = rows.ownEdge[i] = 0;
     }
     // In the mesh's own frame, gathered.
     for (unsigned lane = 0; lane < 4; ++lane) {
@@ -107,6 +107,8 @@ void LeafPlacer::fillRows(std::uint32_t leaf, LeafRows& rows) const {
             rows.sharpCorner[i] |= (traits & flatCorner) == 0 ? bit : 0U;
             rows.bent[i] |= (traits & bends) != 0 ? bit : 0U;
             rows.sharp[i] |= (traits & sharpEdge) != 0 ? bit : 0U;
+            rows.ownCorner[i] |= model.vertexTriangle[vertex] == triangle ? bit : 0U;
+            rows.ownEdge[i] |= triangle <= other ? bit : 0U;
             rows.gap[i] |= (model.solid ? (traits & concaveEdge) != 0 : other != noNeighbour) ? bit : 0U;
         }
     }

@@ -25,6 +25,8 @@ struct alignas(64) LeafRows {
     std::uint32_t valid;
     std::uint32_t sharpCorner[3];  ///< not flatCorner: it may be the end of something
     std::uint32_t bent[3];         ///< edges that may touch others (bentEdges)
+    std::uint32_t ownCorner[3];    ///< the triangle is the first of those at the corner
+    std::uint32_t ownEdge[3];      ///< the same at the edge
     std::uint32_t sharp[3];
     std::uint32_t gap[3];  ///< edges beside which a corner can be behind both faces: concave; of a sheet all
 };
