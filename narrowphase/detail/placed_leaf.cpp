@@ -39,10 +39,11 @@ void store(const Four3& v, float (&rows)[3][4]) {
     store(v.y, rows[1]);
     store(v.z, rows[2]);
 }
-void set(float (&rows)[3][4], unsigned lane, const Vector3f& value) {
-    rows[0][lane] = value.x();
-    rows[1][lane] = value.y();
-    rows[2][lane] = value.z();
+/// Straight into registers: what was stored float by float cannot be loaded by fours at once.
+Four3 gather(const Vector3f* const (&from)[4]) {
+    return {Four(from[0]->x(), from[1]->x(), from[2]->x(), from[3]->x()),
+            Four(from[0]->y(), from[1]->y(), from[2]->y(), from[3]->y()),
+            Four(from[0]->z(), from[1]->z(), from[2]->z(), from[3]->z())};
 }
 
 }  // namespace
@@ -89,19 +90,22 @@ void LeafPlacer::fillRows(std::uint32_t leaf, LeafRows& rows) const {
     for (unsigned i = 0; i < 3; ++i) {
         rows.sharpCorner[i] = rows.bent[i] = rows.sharp[i] = rows.gap[i] = rows.ownCorner[i] = rows.ownEdge[i] = 0;
     }
-    // In the mesh's own frame, gathered.
+    static const Vector3f none = Vector3f::Zero();
+    const Vector3f* normals[4];
+    const Vector3f* across[3][4];
+    const Vector3f* upward[3][4];
     for (unsigned lane = 0; lane < 4; ++lane) {
         const bool used = block.triangle[lane] != noTriangle;
         const std::uint32_t triangle = used ? block.triangle[lane] : block.triangle[0];
         const std::uint32_t bit = used ? 1U << lane : 0U;
         const Triangle& corners = model.tree.triangles[triangle];
         rows.valid |= bit;
-        set(rows.normal, lane, model.triangleNormals[triangle]);
+        normals[lane] = &model.triangleNormals[triangle];
         for (unsigned i = 0; i < 3; ++i) {
             const std::uint32_t other = model.topology.across[triangle][i];
             const std::uint32_t vertex = model.topology.welded[corners[i]];
-            set(rows.across[i], lane, other == noNeighbour ? Vector3f(Vector3f::Zero()) : model.triangleNormals[other]);
-            set(rows.upward[i], lane, model.vertexNormals[vertex]);
+            across[i][lane] = other == noNeighbour ? &none : &model.triangleNormals[other];
+            upward[i][lane] = &model.vertexNormals[vertex];
             rows.coneCosine[i][lane] = widenedCone(model.vertexCones[vertex], m_cosLean, m_sinLean);
             const unsigned traits = static_cast<unsigned>(model.traits[triangle]) >> i;
             rows.sharpCorner[i] |= (traits & flatCorner) == 0 ? bit : 0U;
@@ -112,25 +116,23 @@ void LeafPlacer::fillRows(std::uint32_t leaf, LeafRows& rows) const {
             rows.gap[i] |= (model.solid ? (traits & concaveEdge) != 0 : other != noNeighbour) ? bit : 0U;
         }
     }
-    // Four at once: into A's frame, and what follows from the corners.
     const Pose* pose = m_side.pose();
-    Four3 normal = load(rows.normal);
+    const auto placed = [&](const Four3& direction) {
+        return pose == nullptr ? direction : turned(direction, pose->rotation);
+    };
+    const Four3 normal = placed(gather(normals));
+    store(normal, rows.normal);
     Four3 corner[3];
     for (unsigned i = 0; i < 3; ++i) {
-        corner[i] = load(block.corner[i]);
+        corner[i] = placed(load(block.corner[i]));
         if (pose != nullptr) {
-            corner[i] = turned(corner[i], pose->rotation);
             corner[i].x += pose->translation.x();
             corner[i].y += pose->translation.y();
             corner[i].z += pose->translation.z();
-            store(turned(load(rows.across[i]), pose->rotation), rows.across[i]);
-            store(turned(load(rows.upward[i]), pose->rotation), rows.upward[i]);
         }
         store(corner[i], rows.corner[i]);
-    }
-    if (pose != nullptr) {
-        normal = turned(normal, pose->rotation);
-        store(normal, rows.normal);
+        store(placed(gather(across[i])), rows.across[i]);
+        store(placed(gather(upward[i])), rows.upward[i]);
     }
     for (unsigned i = 0; i < 3; ++i) {
         Four3 along = corner[(i + 1) % 3] - corner[i];

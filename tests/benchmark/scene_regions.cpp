@@ -70,8 +70,9 @@ btScalar breakingThreshold(const btCollisionShape& a, const btCollisionShape& b)
                  b.getContactBreakingThreshold(gContactBreakingThreshold));
 }
 
-/// What the pair's search looks for at least, by adb.
-PairSettings exactSettings(const btCollisionShape& a, const btCollisionShape& b, const Settings& settings) {
+/// What the pair's last search looked for, up to `distance` (m), by adb.
+PairSettings exactSettings(const btCollisionShape& a, const btCollisionShape& b, const Settings& settings,
+                           float distance) {
     detail::PairShapes shapes;
     shapes.modelA = detail::ShapeModels::instance().present(a);
     shapes.modelB = detail::ShapeModels::instance().present(b);
@@ -80,7 +81,8 @@ PairSettings exactSettings(const btCollisionShape& a, const btCollisionShape& b,
     task.size = detail::sizeOf(shapes);
     task.breaking = static_cast<float>(breakingThreshold(a, b));
     task.maxDistance = static_cast<float>(detail::marginOf(a) + detail::marginOf(b)) + task.breaking;
-    PairSettings exact = detail::pairSettings(task, 0);
+    PairSettings exact = detail::pairSettings(task, detail::anyApproach);
+    exact.maxDistance = exact.local.maxDistance = distance;
     exact.method = Method::adb;
     return exact;
 }
@@ -117,7 +119,8 @@ void RegionWatch::after(scenes::World& world) {
         }
         const Pose bInA = detail::toPose(detail::relative(m_poses[static_cast<std::size_t>(key.first)],
                                                           m_poses[static_cast<std::size_t>(key.second)]));
-        const PairSettings exact = exactSettings(*a->getCollisionShape(), *b->getCollisionShape(), m_settings);
+        const PairSettings exact =
+            exactSettings(*a->getCollisionShape(), *b->getCollisionShape(), m_settings, saved.state.searchDistance);
         update(*pair->model(0), *pair->model(1), bInA, exact, {}, truth.state);
         compare(saved.state.contacts, bInA, exact, truth);
     }
