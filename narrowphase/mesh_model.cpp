@@ -212,8 +212,7 @@ Sliced computeDerived(MeshModel& model) {
     co_await computeVertexNormals(model);
     co_await computeVertexCones(model);
     co_await computeTraits(model);
-    co_await detail::leafShapesInSlices(model.tree, model.topology, model.triangleNormals, model.traits,
-                                        model.leafShapes);
+    co_await detail::leafShapesInSlices(model);
     co_await computeLeafOf(model);
     model.solid = model.topology.closed && model.report.volume > 0;
 }

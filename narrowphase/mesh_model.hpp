@@ -32,6 +32,9 @@ struct NormalCone {
     float cosine = -1, sine = 0;
 };
 
+/// Sine: leans beyond it are bounded less tightly (LeafShape::touch).
+inline constexpr float usualLean = 0.08F;
+
 /// A leaf block seen from outside, mesh frame: its box and a cone of the directions in which it can be touched.
 struct LeafShape {
     Eigen::Vector3f center = Eigen::Vector3f::Zero();  ///< of the box, m
@@ -39,6 +42,9 @@ struct LeafShape {
     Eigen::Vector3f axis = Eigen::Vector3f::UnitX();   ///< of the cone
     float cosSpread = -1;                              ///< of the cone's half angle; -1: every direction
     float sinSpread = 0;
+    /// About the same axis: every line from the leaf to what touches it across a gap, at a lean of up to usualLean.
+    /// Cosine 0 or less: no such bound.
+    NormalCone touch;
     bool plain = false;  ///< inside a flat face: no corner and no edge that anything could end at
 };
 

@@ -16,7 +16,7 @@ namespace grapeshot::detail {
 struct alignas(64) LeafLanes {
     float center[3][16], half[3][16], axis[3][16];
     float cosine[16], sine[16];            // of the cone's half angle
-    float widerCosine[16], widerSine[16];  // of that of one cone by itself; cosine <= 0: it parts nothing
+    float touchCosine[16], touchSine[16];  // of that of the lines to what touches it; cosine <= 0: it parts nothing
     const float (*corner[16])[3][4];       // of the leaf block, [corner][axis][lane]
     std::uint32_t plain = 0;
 };
@@ -72,7 +72,7 @@ HWY_INLINE Cone16 coneOf(const LeafLanes& own, Vector16 offset, Float16 rounding
     cone.axis = loadRows(own.axis);
     const Vector16 across = offset - cone.axis * dot(offset, cone.axis);
     const Float16 length = sqrt(dot(across, across));
-    cone.parts = (load(own.widerCosine) > wide(0)) & (length > rounding);
+    cone.parts = (load(own.touchCosine) > wide(0)) & (length > rounding);
     cone.sideways = across * (wide(1) / max(length, wide(1e-30F)));
     return cone;
 }
@@ -118,8 +118,8 @@ HWY_INLINE Extents16 extentsOf(const float (*corner)[3][4], const Directions& di
 /// Of a line within a cone no more than the sine goes sideways, and no more than the tangent of what goes along its
 /// axis. `gap`: between the leaves, sideways; `tallest`: from one to the other, along the axis.
 HWY_INLINE bool liesBeside(float gap, float tallest, const LeafLanes& own, unsigned pair, const LeafPose& pose) {
-    const float sine = own.widerSine[pair];
-    return gap > sine * pose.reach || gap * own.widerCosine[pair] > sine * (tallest + pose.rounding);
+    const float sine = own.touchSine[pair];
+    return gap > sine * pose.reach || gap * own.touchCosine[pair] > sine * (tallest + pose.rounding);
 }
 
 /// Is the pair parted by one of the two cones? `parts`: bit 0 A's can, bit 1 B's.
@@ -224,7 +224,7 @@ HWY_AFTER_NAMESPACE();
 namespace grapeshot::detail {
 namespace {
 
-void setLane(const MeshModel& model, std::uint32_t leaf, const NormalCone& wider, std::size_t lane, LeafLanes& to) {
+void setLane(const MeshModel& model, std::uint32_t leaf, const NormalCone* wider, std::size_t lane, LeafLanes& to) {
     const LeafShape& shape = model.leafShapes[leaf];
     for (int axis = 0; axis < 3; ++axis) {
         to.center[axis][lane] = shape.center[axis];
@@ -233,9 +233,11 @@ void setLane(const MeshModel& model, std::uint32_t leaf, const NormalCone& wider
     }
     to.cosine[lane] = shape.cosSpread;
     to.sine[lane] = shape.sinSpread;
-    to.widerCosine[lane] =
-        shape.cosSpread > 0 ? shape.cosSpread * wider.cosine - shape.sinSpread * wider.sine : shape.cosSpread;
-    to.widerSine[lane] = shape.sinSpread * wider.cosine + shape.cosSpread * wider.sine;
+    const bool usual = wider == nullptr;
+    to.touchCosine[lane] = usual                 ? shape.touch.cosine
+                           : shape.cosSpread > 0 ? shape.cosSpread * wider->cosine - shape.sinSpread * wider->sine
+                                                 : shape.cosSpread;
+    to.touchSine[lane] = usual ? shape.touch.sine : shape.sinSpread * wider->cosine + shape.cosSpread * wider->sine;
     to.corner[lane] = model.tree.leaves[leaf].corner;
     to.plain |= shape.plain ? 1U << lane : 0U;
 }
@@ -252,18 +254,18 @@ LeafFilter::LeafFilter(const MeshModel& a, const MeshModel& b, const Pose& bInA,
     m_rounding = 4e-6F * (a.tree.radius + b.tree.radius + bInA.translation.norm());
     m_reach = reach + m_rounding;
     m_more = moreSpread(lean);
-    // A leaf's cone has its spare already. Edges of nearly parallel faces are given the faces' normal, which leans by
-    // 0.02 more.
-    m_wider = coneOfAngle(coneWidening(lean) - leafSpare + 0.02F);
+    m_wider = coneOfAngle(coneWidening(lean) - leafSpare + edgeSpare);
+    m_usual = lean <= usualLean;
 }
 
 LeafMasks LeafFilter::operator()(std::span<const LeafPair> pairs) const noexcept {
     LeafLanes a;
     LeafLanes b;
+    const NormalCone* wider = m_usual ? nullptr : &m_wider;
     for (std::size_t lane = 0; lane < width; ++lane) {
         const LeafPair& pair = pairs[lane < pairs.size() ? lane : 0];
-        setLane(*m_a, pair.leafA, m_wider, lane, a);
-        setLane(*m_b, pair.leafB, m_wider, lane, b);
+        setLane(*m_a, pair.leafA, wider, lane, a);
+        setLane(*m_b, pair.leafB, wider, lane, b);
     }
     LeafPose pose;
     for (int row = 0; row < 3; ++row) {

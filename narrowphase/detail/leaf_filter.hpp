@@ -43,7 +43,8 @@ class LeafFilter {
     Pose m_bInA;
     float m_reach = 0, m_rounding = 0;  // m; the first holds the second
     NormalCone m_more;                  // what a lean beyond the usual adds to the cones of two leaves
-    NormalCone m_wider;                 // what is added to the cone of one
+    NormalCone m_wider;                 // what one has to be widened by, at an unusual lean
+    bool m_usual = true;                // leans are no more than usualLean
     bool m_twoSided = false;            // a sheet has two sides
 };
 

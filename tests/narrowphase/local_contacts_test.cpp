@@ -451,7 +451,7 @@ TEST(LocalContacts, TheFilterLeavesNothingOut) {
 
 /// Of finely tessellated bodies most leaves that are within reach lie beside each other.
 TEST(LocalContacts, LeavesBesideEachOtherCostNothing) {
-    const MeshModel a = makeModel(scenes::bumpySphere(1.0F, 0.25F, 7, 100, 77).view());
+    const MeshModel a = makeModel(scenes::bumpySphere(1.0F, 0.25F, 7, 32, 77).view());
     test::Random random(3);
     LocalContactSearch search;
     std::size_t near = 0;
