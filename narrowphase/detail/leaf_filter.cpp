@@ -65,16 +65,24 @@ HWY_INLINE BoxGaps gapsOf(Vector16 offset, Vector16 halves) {
 /// What is asked of the corners of both leaves by one of the two cones.
 struct Cone16 {
     Vector16 axis, sideways;  // unit, in the frame of the cone's leaf; `sideways` along the other leaf's offset
+    Float16 length;           // of that offset, sideways
     Mask16 parts;             // not every line is within
 };
 HWY_INLINE Cone16 coneOf(const LeafLanes& own, Vector16 offset, Float16 rounding) {
     Cone16 cone;
     cone.axis = loadRows(own.axis);
     const Vector16 across = offset - cone.axis * dot(offset, cone.axis);
-    const Float16 length = sqrt(dot(across, across));
-    cone.parts = (load(own.touchCosine) > wide(0)) & (length > rounding);
-    cone.sideways = across * (wide(1) / max(length, wide(1e-30F)));
+    cone.length = sqrt(dot(across, across));
+    cone.parts = (load(own.touchCosine) > wide(0)) & (cone.length > rounding);
+    cone.sideways = across * (wide(1) / max(cone.length, wide(1e-30F)));
     return cone;
+}
+/// Do the boxes alone tell that all lines leave the cone? `inOther`: sideways, in the other leaf's frame.
+HWY_INLINE Mask16 boxesLieBeside(const LeafLanes& own, const Cone16& cone, Vector16 ownHalf, Vector16 inOther,
+                                 Vector16 otherHalf, const LeafPose& pose) {
+    const Float16 halves = dot(abs(cone.sideways), ownHalf) + dot(abs(inOther), otherHalf);
+    const Float16 most = load(own.touchSine) * wide(pose.reach) + wide(2 * pose.rounding);
+    return cone.parts & (cone.length - halves > most);
 }
 
 /// Directions of one pair in one frame: sideways and along the axis by A's cone, then by B's.
@@ -195,17 +203,22 @@ void leafKernel(const LeafLanes& a, const LeafLanes& b, const LeafPose& pose, st
     }
     const Cone16 coneA = coneOf(a, offset, rounding);
     const Cone16 coneB = coneOf(b, -offsetInB, rounding);
+    const Vector16 ofA[4] = {coneA.sideways, coneA.axis, turned(toA, coneB.sideways), turned(toA, coneB.axis)};
+    const Vector16 ofB[4] = {turned(toB, coneA.sideways), turned(toB, coneA.axis), coneB.sideways, coneB.axis};
+    const std::uint32_t beside = bits(boxesLieBeside(a, coneA, halfA, ofB[0], halfB, pose) |
+                                      boxesLieBeside(b, coneB, halfB, ofA[2], halfA, pose)) &
+                                 apart;
+    out.touching &= ~beside;
+    const std::uint32_t open = apart & ~beside;
     const std::uint32_t partsA = bits(coneA.parts);
     const std::uint32_t partsB = bits(coneB.parts);
     alignas(64) float inFrameA[4][3][16];
     alignas(64) float inFrameB[4][3][16];
-    const Vector16 ofA[4] = {coneA.sideways, coneA.axis, turned(toA, coneB.sideways), turned(toA, coneB.axis)};
-    const Vector16 ofB[4] = {turned(toB, coneA.sideways), turned(toB, coneA.axis), coneB.sideways, coneB.axis};
     storeDirections(ofA, inFrameA);
     storeDirections(ofB, inFrameB);
     for (unsigned pair = 0; pair < 16; ++pair) {
         const std::uint32_t parts = (partsA >> pair & 1U) | (partsB >> pair & 1U) << 1U;
-        if ((apart >> pair & 1U) != 0 && parts != 0 &&
+        if ((open >> pair & 1U) != 0 && parts != 0 &&
             partedBy(a, b, pair, parts, directionsOf(inFrameA, pair), directionsOf(inFrameB, pair), pose)) {
             out.touching &= ~(1U << pair);
         }
