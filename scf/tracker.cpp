@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include <grapeshot/scf/detail/moved_since.hpp>
 #include <grapeshot/scf/detail/placing.hpp>
 #include <grapeshot/scf/detail/track_motion.hpp>
 #include <grapeshot/scf/detail/track_step.hpp>
@@ -16,8 +17,9 @@ namespace {
 bool isUsable(const TrackSettings& s) {
     return std::isfinite(s.maxDistance) && s.maxDistance >= 0 && std::isfinite(s.spacing) && s.spacing > 0 &&
            std::isfinite(s.followDistance) && s.followDistance >= 0 && std::isfinite(s.exclusion) && s.exclusion >= 0 &&
-           s.frontCells >= 16 && s.frontCells <= 4096 && s.auditShare >= 0 && s.auditShare <= 1 &&
-           std::isfinite(s.tolerance) && s.tolerance > 0 && s.mode >= TrackMode::exact && s.mode <= TrackMode::budget;
+           std::isfinite(s.lookAhead) && s.lookAhead >= 0 && s.frontCells >= 16 && s.frontCells <= 4096 &&
+           s.auditShare >= 0 && s.auditShare <= 1 && std::isfinite(s.tolerance) && s.tolerance > 0 &&
+           s.mode >= TrackMode::exact && s.mode <= TrackMode::budget;
 }
 
 }  // namespace
@@ -67,13 +69,17 @@ void Tracker::State::cut(const TrackSettings& settings) {
 
 void Tracker::State::clear(TrackResult& out) {
     std::vector<TrackedContact> contacts = std::move(out.contacts);
+    std::vector<TrackedContact> ahead = std::move(out.ahead);
     contacts.clear();
+    ahead.clear();
     out = {};
     out.contacts = std::move(contacts);
+    out.ahead = std::move(ahead);
 }
 
 void Tracker::State::refuse(Fault fault, TrackResult& out) const {
     out.contacts.clear();
+    out.ahead.clear();
     out.certain = false;
     out.stop = StopReason::invalidInput;
     out.fault = fault;
@@ -115,9 +121,27 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
         }
         out.stretchB = posedB.stretch;
     }
+    const bool asksForMotion = (settings.keepFront || settings.lookAhead > 0) && detail::isTold(stateA) &&
+                               (isSelf() || detail::isTold(*stateB));
+    detail::Deformation deformedA;
+    detail::Deformation deformedB;
+    std::optional<float> nearer;
+    if (asksForMotion) {
+        const detail::FrontMemory& before = memory.front;
+        deformedA = detail::deformationSince(before.a, stateA, a->surface, a->extent);
+        if (stateB != nullptr) {
+            deformedB = detail::deformationSince(before.b, *stateB, b->surface, b->extent);
+        }
+        if (std::isnan(deformedA.most) || std::isnan(deformedB.most)) {
+            return refuse(Fault::notFinite);
+        }
+        nearer = stateB == nullptr
+                     ? detail::nearerThanBefore(before.a, deformedA)
+                     : detail::nearerThanBefore(before.a, stateA, deformedA, before.b, *stateB, deformedB);
+    }
     const detail::PairSpace space{&scratch->a, isSelf() ? &scratch->a : &*scratch->b, settings.maxDistance,
                                   isSelf() ? settings.exclusion : -1};
-    detail::TrackStep run(space, settings, budget, memory, *scratch, out);
+    detail::TrackStep run(space, settings, budget, nearer, memory, *scratch, out);
     switch (settings.mode) {
         case TrackMode::exact:
             run.exact();
@@ -134,6 +158,14 @@ void Tracker::State::step(const SurfaceState& stateA, const SurfaceState* stateB
         return refuse(Fault::notFinite);
     }
     run.finish();
+    if (!asksForMotion) {
+        memory.front = {};
+        return;
+    }
+    detail::remember(stateA, deformedA, memory.front.a);
+    if (stateB != nullptr) {
+        detail::remember(*stateB, deformedB, memory.front.b);
+    }
 }
 
 void Tracker::State::step(const SurfaceMotion& motionA, const SurfaceMotion* motionB, const TrackSettings& settings,
@@ -186,6 +218,7 @@ void Tracker::State::step(const SurfaceMotion& motionA, const SurfaceMotion* mot
         }
     }
     run.finish();
+    memory.front = {};
 }
 
 /// The frame moves nothing against anything: the body is searched in its own.
@@ -267,6 +300,7 @@ TrackResult Tracker::sweep(const SurfaceMotion& body, const TrackSettings& setti
 
 void Tracker::clear() {
     m_state->memory.tracked.clear();
+    m_state->memory.front = {};
 }
 
 std::uint64_t Tracker::steps() const {

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,6 +50,15 @@ struct TrackSettings {
     /// Share of the budget, after what must be, that goes into the uniform sample for the bound, 0..1. With 0 there is
     /// no bound.
     float auditShare = 0.25F;
+    /// Of the traversal of a step it is remembered how far what it left out was apart, and that is not looked at again
+    /// before the surfaces may have come so near (see `Displacement`). Finds the same in `exact` mode, no less in the
+    /// others. Of no effect while displacements are unknown.
+    bool keepFront = true;
+    /// Steps, >= 0, budget mode: pairs of triangles that could be in contact within so many steps, if the surfaces go
+    /// on to come nearer by as much as in this one (TrackResult::nearer), are looked for and followed as well, so that
+    /// contacts are known when they begin. At most `spacing` beyond maxDistance. Of no effect while displacements are
+    /// unknown, and with 0.
+    float lookAhead = 0;
     /// m, > 0, of `sweep`: ... and so much more, so that it ends; see ImpactSettings::tolerance.
     float tolerance = 1e-5F;
     std::uint64_t seed = 1;
@@ -73,6 +83,8 @@ struct TrackedContact {
 
 struct TrackResult {
     std::vector<TrackedContact> contacts;
+    /// Not in contact, but ahead (TrackSettings::lookAhead): where none of `contacts` is within about the spacing.
+    std::vector<TrackedContact> ahead;
     /// exact: all are listed. resolution, budget: every pair of cells (of the size `spacing`; of the front) is clear or
     /// has one listed. As true as a given stretch bound. Of a continuous step: in all of it, and the cells are those of
     /// the size `spacing` in budget mode, too.
@@ -90,6 +102,11 @@ struct TrackResult {
     std::uint32_t carried = 0;  ///< tracked pairs that the budget left untested: kept, not listed
     std::uint32_t tracked = 0;  ///< pairs that are kept for the next step
     std::uint32_t dives = 0;    ///< random ones
+    /// m: by how much a point of one surface may have come nearer to one of the other since the step before; infinite
+    /// if that is not known, or was not asked for.
+    float nearer = std::numeric_limits<float>::infinity();
+    std::uint32_t frontKept = 0;    ///< pairs of pieces that were known from the step before and not looked at again
+    std::uint32_t frontOpened = 0;  ///< that were known and had to be looked at again
 };
 
 /// A value: a copy goes on by itself, with the same results. Same settings, inputs and work budgets: same bytes, on

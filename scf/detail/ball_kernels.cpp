@@ -45,6 +45,16 @@ void gapsKernel(const FourBalls& a, const FourBalls& b, float (&gap)[16], float 
     storeU(distance, between);
 }
 
+void clearanceKernel(const FourBalls& a, const FourBalls& b, float reach, float (&gap)[16], float (&weight)[16]) {
+    const Float16 sum = spreadA(a.radius) + repeatB(b.radius) + wide(reach);
+    const Float16 distance = sqrt(squaredCenterDistance(a, b));
+    // The roundings of the sum, the square and the root.
+    const Float16 left = distance * wide(1 - 1e-6F) - sum * wide(1 + 1e-6F);
+    storeU(select(left > wide(0), left, min(left, wide(0))), gap);
+    const Float16 overlap = wide(1) - distance / max(sum, wide(1e-30F));
+    storeU(select(overlap > wide(0), overlap, wide(0)), weight);
+}
+
 std::uint32_t rowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
                          std::uint16_t (&row)[16]) {
     const Float16 lowB[3] = {load(b.low[0]), load(b.low[1]), load(b.low[2])};
@@ -79,6 +89,59 @@ std::uint32_t rowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, fl
     return units;
 }
 
+/// Between the boxes of sixteen triangles and one box, squared.
+HWY_INLINE Float16 squaredBoxGap(const Float16 (&low)[3], const Float16 (&high)[3], const float* otherLow,
+                                 const float* otherHigh, int stride) {
+    Float16 square = wide(0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const Float16 gap =
+            max(max(low[axis] - wide(otherHigh[axis * stride]), wide(otherLow[axis * stride]) - high[axis]), wide(0));
+        square = square + gap * gap;
+    }
+    return square;
+}
+
+std::uint32_t clearRowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
+                              std::uint16_t (&row)[16], float& clearance) {
+    const Float16 lowA[3] = {load(a.low[0]), load(a.low[1]), load(a.low[2])};
+    const Float16 highA[3] = {load(a.high[0]), load(a.high[1]), load(a.high[2])};
+    const Float16 lowB[3] = {load(b.low[0]), load(b.low[1]), load(b.low[2])};
+    const Float16 highB[3] = {load(b.high[0]), load(b.high[1]), load(b.high[2])};
+    const Float16 none = wide(3e38F);
+    const Float16 close = wide(reach * reach * (1 + 1e-6F));
+    const Float16 fromA = squaredBoxGap(lowA, highA, b.boxLow, b.boxHigh, 1);
+    const Mask16 isFar = fromA > close;
+    const std::uint32_t near = ~bits(isFar) & bits(lowA[0] <= highA[0]);
+    Float16 least = select(isFar, fromA, none);
+    std::uint32_t units = 1;
+    for (unsigned i = 0; i < 16; ++i) {
+        row[i] = 0;
+        if ((near >> i & 1U) == 0U) {
+            continue;
+        }
+        ++units;
+        const Float16 square = squaredBoxGap(lowB, highB, a.low[0] + i, a.high[0] + i, 16);
+        Mask16 kept = lowB[0] <= highB[0];
+        if (exclusion >= 0) {
+            const Vector16 d{load(b.middle[0]) - wide(a.middle[0][i]), load(b.middle[1]) - wide(a.middle[1][i]),
+                             load(b.middle[2]) - wide(a.middle[2][i])};
+            kept = kept & (dot(d, d) > wide(exclusion * exclusion));
+        }
+        const Mask16 apart = square > close;
+        least = min(least, select(kept & apart, square, none));
+        row[i] = static_cast<std::uint16_t>(bits(andNot(apart, kept)));
+    }
+    alignas(64) float square[16];
+    store(least, square);
+    float smallest = square[0];
+    for (int lane = 1; lane < 16; ++lane) {
+        smallest = square[lane] < smallest ? square[lane] : smallest;
+    }
+    const float gap = __builtin_sqrtf(smallest) * (1 - 1e-6F) - reach;
+    clearance = gap > 0 ? gap : 0;
+    return units;
+}
+
 }  // namespace grapeshot::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -107,10 +170,22 @@ void gapsOfBalls(const FourBalls& a, const FourBalls& b, float (&gap)[16], float
     kernel.chosen()(a, b, gap, between);
 }
 
+void clearanceOfBalls(const FourBalls& a, const FourBalls& b, float reach, float (&gap)[16],
+                      float (&weight)[16]) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(clearanceKernel);
+    kernel.chosen()(a, b, reach, gap, weight);
+}
+
 std::uint32_t closeRows(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
                         std::uint16_t (&row)[16]) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(rowsKernel);
     return kernel.chosen()(a, b, reach, exclusion, row);
+}
+
+std::uint32_t clearRows(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion, std::uint16_t (&row)[16],
+                        float& clearance) noexcept {
+    static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(clearRowsKernel);
+    return kernel.chosen()(a, b, reach, exclusion, row, clearance);
 }
 
 }  // namespace grapeshot::detail

@@ -31,10 +31,20 @@ struct alignas(64) PosedLeaf {
 /// between: the distance of their centres.
 void gapsOfBalls(const FourBalls& a, const FourBalls& b, float (&gap)[16], float (&between)[16]) noexcept;
 
+/// gap[4 a + b]: what is in the balls a and b is at least `reach` and so much more apart, m; negative where they touch
+/// at that reach, by how much they do. Not more than 0 if a number is not finite. weight: as `overlappingBalls` has it.
+void clearanceOfBalls(const FourBalls& a, const FourBalls& b, float reach, float (&gap)[16],
+                      float (&weight)[16]) noexcept;
+
 /// row[i]: triangles of b whose boxes are within `reach` of the box of triangle i of a. With an `exclusion` >= 0, those
 /// whose centroids at rest are at most so far apart are left out. Returns the units: one, and one more for every
 /// triangle of a whose box is near b's.
 [[nodiscard]] std::uint32_t closeRows(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
                                       std::uint16_t (&row)[16]) noexcept;
+
+/// The same by the distance of the boxes, and in `clearance`, m: the boxes of all other pairs that are not left out are
+/// at least the reach and so much more apart; infinite if there are none.
+[[nodiscard]] std::uint32_t clearRows(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
+                                      std::uint16_t (&row)[16], float& clearance) noexcept;
 
 }  // namespace grapeshot::detail

@@ -1,8 +1,11 @@
 // What is searched: two ball trees where they are, or one with itself; and how its parts are told apart.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <limits>
 
 #include <grapeshot/scf/detail/posed_tree.hpp>
 
@@ -66,6 +69,13 @@ struct PairSpace {
     /// @param wholeA do not open this one, which is not the root
     std::uint64_t expand(const BallPair& pair, ChildPairs& out, float (*weight)[16], bool wholeA = false,
                          bool wholeB = false) const;
+
+    /// The same, but also with children that are up to `skin` (m) beyond the reach.
+    /// @param gap of the lanes in the mask, m: how far beyond the reach, negative where the balls touch
+    /// @param clearance m: all triangles of the other lanes are so much beyond the reach, or left out; infinite: there
+    /// are no others
+    std::uint64_t expandWithin(const BallPair& pair, float skin, ChildPairs& out, float (&gap)[16], float (&weight)[16],
+                               float& clearance, bool wholeA = false, bool wholeB = false) const;
 };
 
 /// The children of a piece, or the piece itself in place of them. Of a tree where it is, or of one in motion.
@@ -130,6 +140,32 @@ inline std::uint64_t PairSpace::expand(const BallPair& pair, ChildPairs& out, fl
     }
     out.mask &= ~ballsWithin(*pieceA.restBalls, *pieceB.restBalls, exclusion);
     return 2;
+}
+
+inline std::uint64_t PairSpace::expandWithin(const BallPair& pair, float skin, ChildPairs& out, float (&gap)[16],
+                                             float (&weight)[16], float& clearance, bool wholeA, bool wholeB) const {
+    const OpenPiece<PosedTree, FourBalls> pieceA(*a, pair.a, wholeA, isSelf(), out.a);
+    const OpenPiece<PosedTree, FourBalls> pieceB(*b, pair.b, wholeB, isSelf(), out.b);
+    clearanceOfBalls(*pieceA.balls, *pieceB.balls, reach, gap, weight);
+    out.mask = lanesOf(pieceA.count, pieceB.count);
+    if (isSelf()) {
+        if (pair.a == pair.b) {
+            out.mask &= lanesOfOne;
+            for (const int lane : {0, 5, 10, 15}) {
+                weight[lane] = 1;
+            }
+        }
+        out.mask &= ~ballsWithin(*pieceA.restBalls, *pieceB.restBalls, exclusion);
+    }
+    clearance = std::numeric_limits<float>::infinity();
+    for (std::uint32_t rest = out.mask; rest != 0U; rest &= rest - 1U) {
+        const auto lane = static_cast<unsigned>(std::countr_zero(rest));
+        if (gap[lane] > skin) {
+            out.mask &= ~(1U << lane);
+            clearance = std::min(clearance, gap[lane]);
+        }
+    }
+    return isSelf() ? 2 : 1;
 }
 
 }  // namespace grapeshot::detail

@@ -13,7 +13,7 @@ std::optional<Fault> faultIn(const SurfaceState& state, const Surface& surface) 
     if (state.pose && !isRigid(*state.pose)) {
         return Fault::notRigid;
     }
-    return isUsable(state.stretch) ? std::nullopt : std::optional(Fault::badSetting);
+    return isUsable(state.stretch) && isUsable(state.displacement) ? std::nullopt : std::optional(Fault::badSetting);
 }
 
 std::optional<Fault> faultIn(const RigidMotion& frame) {

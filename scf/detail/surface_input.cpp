@@ -21,6 +21,12 @@ bool isUsable(const Stretch& stretch) {
            (stretch.source == Stretch::Source::refitted || (std::isfinite(stretch.bound) && stretch.bound > 0));
 }
 
+bool isUsable(const Displacement& displacement) {
+    return displacement.source >= Displacement::Source::unknown &&
+           displacement.source <= Displacement::Source::measured && std::isfinite(displacement.bound) &&
+           displacement.bound >= 0;
+}
+
 float stretchToUse(const Stretch& stretch, const Surface& surface,
                    std::initializer_list<std::span<const Eigen::Vector3f>> positions) {
     if (stretch.source != Stretch::Source::measured) {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include <grapeshot/scf/stretch.hpp>
+#include <grapeshot/scf/surface_state.hpp>
 
 namespace grapeshot::detail {
 
@@ -15,6 +16,7 @@ namespace grapeshot::detail {
                                std::span<const Triangle> triangles);
 
 [[nodiscard]] bool isUsable(const Stretch& stretch);
+[[nodiscard]] bool isUsable(const Displacement& displacement);
 
 /// The bound to make the balls with for all of these positions, empty ones at rest; 0 if the balls are to be fitted;
 /// NaN if it had to be measured and a position is not finite.

@@ -15,7 +15,7 @@ void TrackStep::audit(bool complete) {
     std::vector<std::uint32_t>& unknown = m_scratch.unknown;
     unknown.clear();
     for (std::uint32_t i = 0; i < m_scratch.candidates.size(); ++i) {
-        if (!m_scratch.candidates[i].isReported) {
+        if (!m_scratch.candidates[i].isReported && !m_scratch.candidates[i].isAhead) {
             unknown.push_back(i);
         }
     }
@@ -38,12 +38,18 @@ void TrackStep::audit(bool complete) {
             continue;
         }
         const std::uint64_t begin = work();
+        const Candidate& candidate = m_scratch.candidates[unknown[i]];
+        Clearance clearance = clearanceToFind();
         const SearchEnd end = m_scratch.search.runUntil(
-            m_space, m_scratch.candidates[unknown[i]].cells, true, [&] { return left() == 0; },
+            m_space, candidate.cells, true, [&] { return left() == 0; },
             [&](const PairBatch& batch, int lane) {
                 report(batch, lane);
                 return false;
-            });
+            },
+            m_usesFront ? &clearance : nullptr);
+        if (m_usesFront && end == SearchEnd::exhausted) {
+            m_scratch.keptFront.setSlack(candidate.record, clearance.least);
+        }
         spent += work() - begin;
         miss.open += end == SearchEnd::limited ? 1 : 0;
         miss.hits += end == SearchEnd::stopped ? 1 : 0;

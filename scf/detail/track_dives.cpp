@@ -23,15 +23,26 @@ bool isDown(const BallPair& pair) {
 bool TrackStep::listCandidates(std::uint64_t limit) {
     const std::uint64_t first = work();
     std::vector<Candidate>& candidates = m_scratch.candidates;
-    return m_scratch.front.run(
-        m_space, m_frontA, m_frontB, m_work,
-        [&](const BallPair& pair, float weight) {
-            m_scratch.candidateOf.insert(joined(m_frontA.cellAt(pair.a), m_frontB.cellAt(pair.b)),
-                                         static_cast<std::uint32_t>(candidates.size()));
-            candidates.push_back({pair, weight, false});
+    const auto list = [&](const BallPair& pair, float weight, std::uint32_t record, float slack) {
+        if (slack > ahead()) {
             return true;
-        },
-        [&] { return left() > 0 && (limit == unlimited || work() - first < limit); });
+        }
+        m_out.miss.candidates += slack > 0 ? 0 : 1;
+        m_scratch.candidateOf.insert(joined(m_frontA.cellAt(pair.a), m_frontB.cellAt(pair.b)),
+                                     static_cast<std::uint32_t>(candidates.size()));
+        candidates.push_back({pair, weight, false, slack > 0, record});
+        return true;
+    };
+    const auto mayGoOn = [&] { return left() > 0 && (limit == unlimited || work() - first < limit); };
+    if (!m_usesFront) {
+        return m_scratch.front.run(
+            m_space, m_frontA, m_frontB, m_work,
+            [&](const BallPair& pair, float weight) { return list(pair, weight, 0, 0); }, mayGoOn);
+    }
+    beginFront();
+    return m_scratch.keptFront.run(
+        m_space, m_work, [&](BallRef piece, int side) { return (side == 0 ? m_frontA : m_frontB).isCell(piece); }, list,
+        mayGoOn);
 }
 
 void TrackStep::sumWeights() {
@@ -62,7 +73,7 @@ BallPair TrackStep::drawCandidate(double place) const {
 bool TrackStep::goDown(BallPair& pair, bool greedy) {
     ChildPairs children;
     float weight[16];
-    m_work += m_space.expand(pair, children, &weight);
+    m_work += m_wide.expand(pair, children, &weight);
     if (children.mask == 0) {
         return false;
     }
@@ -121,9 +132,9 @@ bool TrackStep::land(const BallPair& pair, bool greedy) {
     if (greedy) {
         return false;  // beside a contact a descent leads back to it
     }
-    const TrianglePair nearest = m_scratch.search.nearest();
-    const VertexPair from = nearest.triangleA != noTriangle
-                                ? nearestCorners(m_space, nearest)
+    const TrianglePair tested = m_scratch.search.nearest();
+    const VertexPair from = tested.triangleA != noTriangle
+                                ? nearestCorners(m_space, tested)
                                 : VertexPair{treeA.own(pair.a).center, treeB.own(pair.b).center, 0};
     if (m_space.isSelf() && (treeA.surface.rest[from.a] - treeA.surface.rest[from.b]).squaredNorm() <=
                                 m_space.exclusion * m_space.exclusion) {

@@ -35,13 +35,13 @@ void TrackStep::testTracked(double share) {
             batch.add(m_space, tracked[next++].pair);
         }
         ++m_work;
-        const int count = batch.run(m_space.reach + m_settings.followDistance + m_settings.spacing);
+        const int count = batch.run(m_space.reach + m_follow + m_settings.spacing);
         for (int lane = 0; lane < count; ++lane) {
             const TrackedPair& one = tracked[first + static_cast<std::size_t>(lane)];
             const float distance = batch.out().signedDistance[lane];
             if (distance <= m_space.reach) {
                 accept(batch, lane, one.birth);
-            } else if (distance <= m_space.reach + m_settings.followDistance + m_settings.spacing) {
+            } else if (distance <= m_space.reach + m_follow + m_settings.spacing) {
                 toFollow.push_back({nearestCorners(m_space, one.pair), one});
                 prefetchLists(m_space, toFollow.back().corners);
             }
@@ -89,14 +89,15 @@ bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
         }
         return std::sqrt(square);
     };
-    const float interesting = m_space.reach + m_settings.followDistance;
+    const float interesting = m_space.reach + m_follow;
     if (std::sqrt(vertices.square) >
         interesting + longestEdge(*m_space.a, vertices.a) + longestEdge(*m_space.b, vertices.b)) {
         return false;
     }
     PairBatch& batch = m_scratch.batch;
-    TrianglePair nearest;
-    float nearestDistance = interesting;
+    TrackedContact nearest;
+    nearest.pair = {noTriangle, noTriangle};
+    nearest.signedDistance = interesting;
     bool isContact = false;
     const auto run = [&] {
         ++m_work;
@@ -106,9 +107,8 @@ bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
             if (distance <= m_space.reach) {
                 accept(batch, lane, birth);
                 isContact = true;
-            } else if (distance <= nearestDistance) {
-                nearest = batch.pair(lane);
-                nearestDistance = distance;
+            } else if (distance <= nearest.signedDistance) {
+                batch.describe(lane, nearest);
             }
         }
     };
@@ -130,7 +130,7 @@ bool TrackStep::testFans(const VertexPair& vertices, std::uint64_t birth) {
     if (batch.size() > 0) {
         run();
     }
-    if (!isContact && nearest.triangleA != noTriangle && m_settings.followDistance > 0) {
+    if (!isContact && nearest.pair.triangleA != noTriangle && m_follow > 0) {
         keepNear(nearest, birth);
     }
     return isContact;

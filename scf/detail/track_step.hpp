@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <grapeshot/core/random.hpp>
@@ -13,8 +14,10 @@ namespace grapeshot::detail {
 
 class TrackStep {
   public:
-    TrackStep(const PairSpace& space, const TrackSettings& settings, const Budget& budget, TrackerMemory& memory,
-              TrackerScratch& scratch, TrackResult& out);
+    /// @param nearer m, by how much the surfaces may have come nearer since the step before; infinite: there was none;
+    /// nothing: nor will it be known in the next
+    TrackStep(const PairSpace& space, const TrackSettings& settings, const Budget& budget, std::optional<float> nearer,
+              TrackerMemory& memory, TrackerScratch& scratch, TrackResult& out);
 
     void exact();
     void resolution();
@@ -38,11 +41,22 @@ class TrackStep {
     /// Lists a contact even if there is one in its place, because it is in another pair of cells of the front.
     void report(const PairBatch& batch, int lane);
     void keepNear(const TrianglePair& pair, std::uint64_t birth);
+    /// Lists it besides, if it is ahead.
+    void keepNear(const TrackedContact& nearest, std::uint64_t birth);
     [[nodiscard]] std::uint64_t keyOf(const TrianglePair& pair) const;
     [[nodiscard]] static std::uint64_t joined(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32U | b; }
     [[nodiscard]] std::uint64_t cellKey(const Cells& a, const Cells& b, const TrianglePair& pair) const;
     void markReported(const TrianglePair& pair);
 
+    /// m a step: when all is faster, hardly anything is known for longer than a step, and remembering it costs more
+    /// than to look again. Of a leaf's size; under a budget, where the traversal ends at larger pieces, of the spacing.
+    [[nodiscard]] float fastestKept() const;
+    [[nodiscard]] FrontKey frontKey() const;
+    void beginFront();
+    [[nodiscard]] Clearance clearanceToFind() const;
+    /// m, beyond the reach; 0: nothing is looked for there.
+    [[nodiscard]] float ahead() const { return m_wide.reach - m_space.reach; }
+    void exactByFront();
     bool listCandidates(std::uint64_t limit);
     void sumWeights();
     [[nodiscard]] BallPair drawCandidate(double place) const;
@@ -74,6 +88,11 @@ class TrackStep {
     const PairSpace& m_space;
     const TrackSettings& m_settings;
     Meter m_meter;
+    float m_nearer;
+    PairSpace m_wide;          ///< with what is ahead within its reach
+    float m_follow = 0;        ///< m, beyond the reach
+    float m_way = 0;           ///< m: what the surfaces are expected to come nearer in a step
+    bool m_usesFront = false;  ///< the traversal goes by what is remembered
     TrackerMemory& m_memory;
     TrackerScratch& m_scratch;
     TrackResult& m_out;

@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/scf/detail/front_file.hpp>
 
 namespace grapeshot::detail {
 namespace {
@@ -18,9 +19,9 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> magic{'G', 'S', 'T', 'R', 'A', 'C', 'K', '\n'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 
-/// Then as many SavedPairs. No padding, so that its bytes may be hashed.
+/// Then as many SavedPairs, then the front. No padding, so that its bytes may be hashed.
 struct Header {
     std::array<char, 8> title = magic;
     std::uint32_t format = version;
@@ -41,8 +42,8 @@ struct SavedPair {
 static_assert(sizeof(SavedPair) == 16);
 
 /// @pre the header's own hash is 0
-std::uint64_t hashOf(const Header& header, std::span<const std::byte> pairs) {
-    return XXH3_64bits_withSeed(pairs.data(), pairs.size(), XXH3_64bits(&header, sizeof header));
+std::uint64_t hashOf(const Header& header, std::span<const std::byte> rest) {
+    return XXH3_64bits_withSeed(rest.data(), rest.size(), XXH3_64bits(&header, sizeof header));
 }
 
 [[noreturn]] void fail(Fault fault, const std::string& what) {
@@ -66,6 +67,8 @@ std::vector<std::byte> savedMemory(const TrackerMemory& memory, const TrackedTre
         std::memcpy(to, &saved, sizeof saved);
         to += sizeof saved;
     }
+    ByteWriter writer(bytes);
+    putFront(memory.front, writer);
     header.hash = hashOf(header, std::span(bytes).subspan(sizeof header));
     std::memcpy(bytes.data(), &header, sizeof header);
     return bytes;
@@ -82,9 +85,9 @@ TrackerMemory loadedMemory(std::span<const std::byte> bytes, const TrackedTrees&
         fail(Fault::badFile, "no state of a tracker, or of another version");
     }
     const std::span<const std::byte> pairs = bytes.subspan(sizeof header);
-    if (pairs.size() % sizeof(SavedPair) != 0 || pairs.size() / sizeof(SavedPair) != header.pairs) {
+    if (pairs.size() / sizeof(SavedPair) < header.pairs) {
         fail(Fault::badFile,
-             std::to_string(bytes.size()) + " bytes where " + std::to_string(header.pairs) + " pairs should be");
+             std::to_string(bytes.size()) + " bytes are too few for " + std::to_string(header.pairs) + " pairs");
     }
     const std::uint64_t hash = std::exchange(header.hash, 0);
     if (hash != hashOf(header, pairs)) {
@@ -109,6 +112,9 @@ TrackerMemory loadedMemory(std::span<const std::byte> bytes, const TrackedTrees&
         }
         memory.tracked.push_back({{saved.triangleA, saved.triangleB}, saved.birth});
     }
+    ByteReader reader(pairs.subspan(header.pairs * sizeof(SavedPair)), "Tracker::load");
+    memory.front = frontFrom(reader, trees);
+    reader.require(reader.left() == 0, "bytes left over");
     return memory;
 }
 

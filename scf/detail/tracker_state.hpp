@@ -7,7 +7,9 @@
 
 #include <grapeshot/scf/detail/cells.hpp>
 #include <grapeshot/scf/detail/front.hpp>
+#include <grapeshot/scf/detail/front_memory.hpp>
 #include <grapeshot/scf/detail/impact_search.hpp>
+#include <grapeshot/scf/detail/kept_front.hpp>
 #include <grapeshot/scf/detail/key_map.hpp>
 #include <grapeshot/scf/detail/pair_search.hpp>
 #include <grapeshot/scf/detail/posed_tree.hpp>
@@ -29,6 +31,13 @@ struct TrackerMemory {
     std::vector<TrackedPair> tracked;  ///< those that wait longest for a test first
     std::uint64_t step = 0;
     float testPrice = 32;  ///< units, mean of late, for a pair of cells in the sample for the bound
+    FrontMemory front;
+};
+
+/// A pair that is followed.
+struct NearPair {
+    TrackedPair tracked;
+    std::optional<TrackedContact> ahead;  ///< if it is
 };
 
 /// A pair of cells of the front.
@@ -36,6 +45,8 @@ struct Candidate {
     BallPair cells;
     float weight = 0;
     bool isReported = false;
+    bool isAhead = false;      ///< known to be clear
+    std::uint32_t record = 0;  ///< of the front that is kept
 };
 
 /// Made anew in every step, or from the trees: a copy of the tracker need not have it.
@@ -56,12 +67,14 @@ struct TrackerScratch {
     PairSearch search;
     PairBatch batch;
     Front front;
+    KeptFront keptFront;
     KeyMap contacts;     ///< by key, to the index in the result
     KeyMap nearPairs;    ///< likewise, of those that are followed
     KeyMap tried;        ///< pairs of cells of the spacing's size that have a contact or were looked into
     KeyMap candidateOf;  ///< pairs of cells of the front
     KeyMap found;        ///< by key: by how many dives
-    std::vector<TrackedPair> kept, near;
+    std::vector<TrackedPair> kept;
+    std::vector<NearPair> near;
     std::vector<Candidate> candidates;
     std::vector<double> cumulative;
     std::vector<std::uint32_t> unknown;

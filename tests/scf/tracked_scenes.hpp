@@ -1,6 +1,7 @@
 // Two surfaces, or one, that deform and touch: small enough for every pair of triangles to be looked at.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -26,11 +27,12 @@ class TwoBumpy {
         [[nodiscard]] SurfaceState stateA(Stretch stretch = Stretch::measured()) const { return {a, {}, stretch, {}}; }
         [[nodiscard]] SurfaceState stateB(Stretch stretch = Stretch::measured()) const { return {b, {}, stretch, {}}; }
     };
-    [[nodiscard]] Frame at(int frame) const {
-        const float phase = 0.2F * static_cast<float>(frame);
+    [[nodiscard]] Frame at(int frame) const { return at(static_cast<float>(frame)); }
+    [[nodiscard]] Frame at(float frame) const {
+        const float phase = 0.2F * frame;
         Frame result{waved(meshA, phase), waved(meshB, -phase)};
         for (Eigen::Vector3f& vertex : result.b) {
-            vertex += Eigen::Vector3f(1.95F + 0.3F * std::cos(0.15F * static_cast<float>(frame)), 0.1F, -0.2F);
+            vertex += Eigen::Vector3f(1.95F + 0.3F * std::cos(0.15F * frame), 0.1F, -0.2F);
         }
         return result;
     }
@@ -62,9 +64,10 @@ class Roll {
   public:
     Roll() : mesh(scenes::grid(3, 0.3F, 120, 12)), tree(buildBallTree(mesh.view())) {}
 
-    [[nodiscard]] std::vector<Eigen::Vector3f> at(int frame) const {
+    [[nodiscard]] std::vector<Eigen::Vector3f> at(int frame) const { return at(static_cast<float>(frame)); }
+    [[nodiscard]] std::vector<Eigen::Vector3f> at(float frame) const {
         std::vector<Eigen::Vector3f> moved;
-        const float breath = 1 + 0.2F * std::sin(0.3F * static_cast<float>(frame));
+        const float breath = 1 + 0.2F * std::sin(0.3F * frame);
         for (const Eigen::Vector3f& vertex : mesh.vertices) {
             // An Archimedean spiral, by arc length as far as it matters.
             const float turn = std::sqrt(1 + 8 * (vertex[0] + 3));
@@ -91,7 +94,7 @@ class Roll {
 inline std::vector<std::byte> bytesOf(const TrackResult& result) {
     std::vector<std::byte> bytes;
     ByteWriter writer(bytes);
-    for (const TrackedContact& contact : result.contacts) {
+    const auto put = [&](const TrackedContact& contact) {
         writer.put(contact.pair.triangleA);
         writer.put(contact.pair.triangleB);
         writer.put(contact.onA);
@@ -103,6 +106,9 @@ inline std::vector<std::byte> bytesOf(const TrackResult& result) {
         writer.put(contact.overlapping);
         writer.put(contact.time);
         writer.put(contact.age);
+    };
+    for (const auto* list : {&result.contacts, &result.ahead}) {
+        std::for_each(list->begin(), list->end(), put);
     }
     writer.put(result.certain);
     writer.put(result.stop);
@@ -117,6 +123,9 @@ inline std::vector<std::byte> bytesOf(const TrackResult& result) {
     writer.put(result.miss.unseenBound);
     writer.put(result.tracked);
     writer.put(result.dives);
+    writer.put(result.nearer);
+    writer.put(result.frontKept);
+    writer.put(result.frontOpened);
     return bytes;
 }
 

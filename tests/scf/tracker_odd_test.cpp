@@ -137,7 +137,8 @@ TEST(OddInput, IsNamedAndLeavesTheTrackerAsItWas) {
              [](TrackSettings& s) { s.spacing = 0; }, [](TrackSettings& s) { s.spacing = noNumber; },
              [](TrackSettings& s) { s.followDistance = -1; }, [](TrackSettings& s) { s.exclusion = noNumber; },
              [](TrackSettings& s) { s.frontCells = 15; }, [](TrackSettings& s) { s.frontCells = 4097; },
-             [](TrackSettings& s) { s.auditShare = 1.1F; }}) {
+             [](TrackSettings& s) { s.auditShare = 1.1F; }, [](TrackSettings& s) { s.lookAhead = -1; },
+             [](TrackSettings& s) { s.lookAhead = noNumber; }}) {
         TrackSettings bad = settings;
         spoil(bad);
         expectRefused(tracker, where.stateA(), where.stateB(), bad, Fault::badSetting);
