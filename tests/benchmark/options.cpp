@@ -119,7 +119,7 @@ std::string usage() {
 
   --mesh FILE...        these meshes instead of the generated ones (all but fit, scene, soft, stochastic)
   --scenario NAME...    only these scenarios (scene: see below; continuous: needle, rigid, turning,
-                        deforming; soft: see below; tracking: bodies, meetings, self, bound, depth; workloads: work,
+                        deforming; soft: see below; tracking: bodies, meetings, self, front, bound, depth; workloads: work,
                         unlike, coherent, hot); limits: which limits of
                         the probability are best on the meshes for fitting; nested: only shells inside each other
                         (decide); fit: the choice of the free parameters

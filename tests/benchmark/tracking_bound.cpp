@@ -46,8 +46,8 @@ BoundTally tallyOf(std::uint64_t seed, int frames, std::uint64_t work, int forge
     TrackResult result;
     for (int frame = 0; frame < frames; ++frame) {
         // Another phase of the waves in every pass.
-        TrackingFrame where =
-            twoBodiesAt(scene, 0.2F, frame % framesPerPass + 17 * (frame / framesPerPass) % 5, framesPerPass);
+        TrackingFrame where = twoBodiesAt(
+            scene, 0.2F, static_cast<float>(frame % framesPerPass + 17 * (frame / framesPerPass) % 5), framesPerPass);
         const SurfaceState stateA{where.a, {}, Stretch::measured(), {}};
         const SurfaceState stateB{where.b, {}, Stretch::measured(), {}};
         exact.step(stateA, stateB, exactly, {}, truth);

@@ -53,10 +53,9 @@ TrackingScene coil(const std::string& name, const CoilShape& shape, std::size_t 
     return scene;
 }
 
-TrackingFrame coilAt(const TrackingScene& scene, const CoilShape& shape, int frame) {
-    const float phase = shape.phase * static_cast<float>(frame);
-    const float pitch =
-        2 * shape.tubeRadius * (1.0F + shape.breath * std::sin(shape.breathPhase * static_cast<float>(frame)));
+TrackingFrame coilAt(const TrackingScene& scene, const CoilShape& shape, float frame) {
+    const float phase = shape.phase * frame;
+    const float pitch = 2 * shape.tubeRadius * (1.0F + shape.breath * std::sin(shape.breathPhase * frame));
     TrackingFrame result;
     result.a.reserve(scene.a.vertices.size());
     for (const Eigen::Vector3f& vertex : scene.a.vertices) {

@@ -27,7 +27,7 @@ struct Choice {
     [[nodiscard]] std::string name() const {
         std::ostringstream text;
         text << budget.work << " units, " << budget.frontCells << " cells, audit " << budget.auditShare << ", spacing "
-             << spacing;
+             << spacing << ", ahead " << budget.lookAhead;
         return text.str();
     }
 };
@@ -42,17 +42,20 @@ std::vector<Choice> choicesOf(const BallTree& tree, bool quick) {
             {budget, spacing, std::vector<Tracker>(seeds, Tracker(tree)), {}, {}, std::vector<double>(seeds, 0)});
     };
     const TrackingBudget chosen = coilBudget(fittingCoil);
-    for (const double share : {0.7, 0.8, 0.9, 1.0, 1.1, 1.3}) {
+    for (const double share : {0.7, 0.75, 0.8, 0.9, 1.0, 1.2}) {
         add(withWork(chosen, static_cast<std::uint64_t>(share * static_cast<double>(chosen.work))), chosenSpacing);
     }
     for (const float spacing : {0.6F, 0.9F, 1.6F}) {
         add(chosen, spacing);
     }
     for (const std::uint32_t cells : {32U, 128U}) {
-        add({chosen.work, cells, chosen.auditShare}, chosenSpacing);
+        add({chosen.work, cells, chosen.auditShare, chosen.lookAhead}, chosenSpacing);
     }
     for (const float share : {0.05F, 0.25F, 0.5F}) {
-        add({chosen.work, chosen.frontCells, share}, chosenSpacing);
+        add({chosen.work, chosen.frontCells, share, chosen.lookAhead}, chosenSpacing);
+    }
+    for (const float steps : {0.0F, 1.0F, 4.0F}) {
+        add({chosen.work, chosen.frontCells, chosen.auditShare, steps}, chosenSpacing);
     }
     return choices;
 }
@@ -79,9 +82,12 @@ void addFitRows(std::uint64_t seed, bool quick, report::Report& results) {
         TrackResult truth;
         TrackResult result;
         std::vector<double> exactUs;
+        TrackingFrame before;
         for (int frame = 0; frame < size.frames; ++frame) {
-            const TrackingFrame where = coilAt(scene, fittingCoil, frame);
-            const SurfaceState state{where.a, {}, Stretch::given(1.02F * measureStretch(tree.surface, where.a)), {}};
+            const TrackingFrame where = coilAt(scene, fittingCoil, static_cast<float>(frame));
+            const float moved = before.a.empty() ? 0 : 1.02F * farthestMove(before.a, where.a);
+            before = where;
+            SurfaceState state{where.a, {}, Stretch::given(1.02F * measureStretch(tree.surface, where.a)), {}, {}};
             if (frame >= warmUp) {
                 TrackSettings settings = settingsOf(scene, coilBudget(fittingCoil), seed);
                 settings.mode = TrackMode::exact;
@@ -89,6 +95,7 @@ void addFitRows(std::uint64_t seed, bool quick, report::Report& results) {
                 exact.step(state, settings, {}, truth);
                 exactUs.push_back(report::threadCpuUs() - begin);
             }
+            state.displacement = Displacement::given(moved);
             for (Choice& choice : choices) {
                 for (std::size_t i = 0; i < choice.trackers.size(); ++i) {
                     TrackSettings settings = settingsOf(scene, choice.budget, seed + i);

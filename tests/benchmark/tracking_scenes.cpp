@@ -1,5 +1,6 @@
 #include "tracking_scenes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -29,9 +30,9 @@ TrackingScene twoBodies(const std::string& name, int frequency, std::uint32_t se
     return scene;
 }
 
-TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, int frame, int frames) {
-    const float time = static_cast<float>(frame) / static_cast<float>(frames);  // 0..1
-    const float phase = 0.15F * static_cast<float>(frame);
+TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, float frame, int frames) {
+    const float time = frame / static_cast<float>(frames);  // 0..1
+    const float phase = 0.15F * frame;
     TrackingFrame result{waved(scene.a, phase), waved(scene.b, 1.7F * phase)};
     // Along x there and back, drifting past.
     const float gap = 1.15F - depth * std::sin(pi * time);
@@ -54,6 +55,14 @@ TrackingFrame twoBodiesTurned(const TrackingScene& scene, const Eigen::Matrix3f&
     return result;
 }
 
+float farthestMove(const std::vector<Eigen::Vector3f>& from, const std::vector<Eigen::Vector3f>& to) {
+    float square = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        square = std::max(square, (to[i] - from[i]).squaredNorm());
+    }
+    return std::sqrt(square);
+}
+
 TrackSettings settingsOf(const TrackingScene& scene, const TrackingBudget& budget, std::uint64_t seed) {
     TrackSettings settings;
     settings.maxDistance = scene.maxDistance;
@@ -61,6 +70,7 @@ TrackSettings settingsOf(const TrackingScene& scene, const TrackingBudget& budge
     settings.exclusion = scene.exclusion;
     settings.frontCells = budget.frontCells;
     settings.auditShare = budget.auditShare;
+    settings.lookAhead = budget.lookAhead;
     settings.maxDives = 1U << 20U;
     settings.seed = seed;
     return settings;

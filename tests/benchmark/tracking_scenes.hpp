@@ -32,7 +32,7 @@ struct TrackingFrame {
 /// frames; box diagonal 2.
 [[nodiscard]] TrackingScene twoBodies(const std::string& name, int frequency, std::uint32_t seed);
 /// @param depth m, by how much their distance shrinks to the middle of the time; 0.08 is a light contact
-[[nodiscard]] TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, int frame, int frames);
+[[nodiscard]] TrackingFrame twoBodiesAt(const TrackingScene& scene, float depth, float frame, int frames);
 
 /// The same bodies, each turned about its middle, B's beyond A's by `gap` (m) along x.
 [[nodiscard]] TrackingFrame twoBodiesTurned(const TrackingScene& scene, const Eigen::Matrix3f& turnA,
@@ -43,6 +43,7 @@ struct TrackingBudget {
     std::uint64_t work = unlimited;
     std::uint32_t frontCells = 64;
     float auditShare = 0.1F;
+    float lookAhead = 0;  ///< steps
 };
 /// Of two bodies of 100k triangles, and of two of a million: chosen on `--scenario meetings --seed 5` to 8.
 inline constexpr TrackingBudget bodiesBudget{6'000, 128, 0.5F};
@@ -51,6 +52,9 @@ inline constexpr TrackingBudget largeBodiesBudget{7'000, 256, 0.8F};
     budget.work = work;
     return budget;
 }
+
+/// m, of the vertex that moved farthest.
+[[nodiscard]] float farthestMove(const std::vector<Eigen::Vector3f>& from, const std::vector<Eigen::Vector3f>& to);
 
 [[nodiscard]] TrackSettings settingsOf(const TrackingScene& scene, const TrackingBudget& budget, std::uint64_t seed);
 
