@@ -168,4 +168,18 @@ std::span<const MachineScene> machineScenes() {
     return scenes;
 }
 
+World makeHapticPair(WorldSettings method, double margin, int triangles) {
+    method.margin = margin;
+    method.timeStep = hapticTimeStep;
+    method.sleeping = false;
+    method.lower = Vector3d::Constant(-5);
+    method.upper = Vector3d::Constant(5);
+    World world(method);
+    const int frequency = std::max(4, static_cast<int>(std::lround(std::sqrt(triangles / 20.0))));
+    world.addBody(world.addMesh(bumpySphere(1, 0.2F, 7, frequency, 77)), PoseD{}, 0);
+    const std::size_t tool = world.addMesh(spikedBall(0.3F, 0.15F, 24, triangles));
+    world.addBody(tool, {Eigen::Matrix3d::Identity(), {0.1, 1.75, 0.05}}, 1, {{0.5, -0.5, 0.2}, {1, 2, 0.5}});
+    return world;
+}
+
 }  // namespace grapeshot::bench

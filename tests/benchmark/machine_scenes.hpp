@@ -1,4 +1,5 @@
-// Things that only work if concave bodies touch where they do: chains, nested cups, gears, an arch.
+// Things that only work if concave bodies touch where they do: chains, nested cups, gears, an arch; and a pair at the
+// rate of haptics.
 #pragma once
 
 #include <span>
@@ -18,5 +19,13 @@ struct MachineScene {
 };
 
 [[nodiscard]] std::span<const MachineScene> machineScenes();
+
+inline constexpr double hapticTimeStep = 1e-3;  ///< s
+/// Of each of its two meshes.
+[[nodiscard]] constexpr int hapticTriangles(bool quick) {
+    return quick ? 2000 : 20000;
+}
+/// A spiked ball that slides on a bumpy one that is held, a step per millisecond.
+[[nodiscard]] scenes::World makeHapticPair(scenes::WorldSettings method, double margin, int triangles);
 
 }  // namespace grapeshot::bench

@@ -40,20 +40,6 @@ namespace {
 
 constexpr std::uint64_t hapticBudget = 500;  ///< work units of a step: about a tenth of a millisecond
 
-scenes::World hapticPair(scenes::WorldSettings method, double margin, int triangles) {
-    method.margin = margin;
-    method.timeStep = 1e-3;
-    method.sleeping = false;
-    method.lower = Eigen::Vector3d::Constant(-5);
-    method.upper = Eigen::Vector3d::Constant(5);
-    scenes::World world(method);
-    const int frequency = std::max(4, static_cast<int>(std::lround(std::sqrt(triangles / 20.0))));
-    world.addBody(world.addMesh(scenes::bumpySphere(1, 0.2F, 7, frequency, 77)), scenes::PoseD{}, 0);
-    const std::size_t tool = world.addMesh(scenes::spikedBall(0.3F, 0.15F, 24, triangles));
-    world.addBody(tool, {Eigen::Matrix3d::Identity(), {0.1, 1.75, 0.05}}, 1, {{0.5, -0.5, 0.2}, {1, 2, 0.5}});
-    return world;
-}
-
 }  // namespace
 
 void runHapticPair(const Options& options, report::Report& results) {
@@ -61,15 +47,15 @@ void runHapticPair(const Options& options, report::Report& results) {
         const Course course{.scenario = "haptic_pair, " + atMargin(margin),
                             .seconds = options.quick ? 0.05 : 1.0,
                             .frameSeconds = 0.01};
-        const int triangles = options.quick ? 2000 : 20000;
+        const int triangles = hapticTriangles(options.quick);
         SceneMethod limited = budgeted(grapeshotMethod(runsOf(options)), hapticBudget);
         limited.name += " budgeted";
         std::vector<SceneMethod> methods{grapeshotMethod(runsOf(options)), limited, gimpactMethod()};
         for (SceneMethod& method : methods) {
-            method.world.timeStep = 1e-3;
+            method.world.timeStep = hapticTimeStep;
         }
         const std::vector<Outcome> outcomes = runInTurns(course, methods, [&](const scenes::WorldSettings& method) {
-            return hapticPair(method, margin, triangles);
+            return makeHapticPair(method, margin, triangles);
         });
         const std::vector<Quality> qualities = addRows("haptic_pair", atMargin(margin), outcomes, "gimpact", results);
         Claims claims(course.scenario, results);

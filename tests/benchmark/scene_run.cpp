@@ -14,7 +14,8 @@ void Recorder::step() {
     m_run.narrowphaseUs.push_back(m_run.steps.back().narrowphaseCpuSeconds * 1e6);
     m_run.stepUs.push_back(m_run.steps.back().cpuSeconds * 1e6);
     const StepStatistics& ours = statistics(&m_world.dispatcher());
-    m_run.work.push_back({ours.work, ours.mandatory, ours.degraded, ours.longestWait});
+    m_run.work.push_back({ours.work, ours.mandatory, ours.degraded, ours.longestWait, ours.pairs.size(), ours.tracked,
+                          ours.sampled, ours.leftToAdb});
     if (m_run.steps.size() % static_cast<std::size_t>(m_frameEvery) == 0) {
         m_run.frames.push_back(m_world.poses());
     }

@@ -20,6 +20,10 @@ struct StepWork {
     std::uint64_t mandatory = 0;
     int degraded = 0;
     std::uint32_t longestWait = 0;
+    std::size_t pairs = 0;
+    int tracked = 0;    ///< pairs that scf served
+    int sampled = 0;    ///< of these, sampled
+    int leftToAdb = 0;  ///< asked of scf, served by adb
 };
 
 /// What a run left behind: one record per step, and all poses of some steps.

@@ -16,6 +16,7 @@
 #include "box_refit.hpp"
 #include "fcl_model.hpp"
 #include "tracking_bound.hpp"
+#include "tracking_bullet.hpp"
 #include "tracking_coils.hpp"
 #include "tracking_depth.hpp"
 #include "tracking_fit.hpp"
@@ -367,6 +368,9 @@ report::Report runTrackingSuite(const Options& options) {
                 addFclRow(spec, boxes, results);
             }
         }
+    }
+    if (wanted("bullet")) {
+        addBulletRows(options, results);
     }
     if (wanted("meetings") && !quick) {
         const bool all = !options.poses;
