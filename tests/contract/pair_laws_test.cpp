@@ -1,13 +1,17 @@
 // Laws of the pair state: what persists from step to step.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include <grapeshot/core/instruction_set.hpp>
 #include <grapeshot/narrowphase/pair_update.hpp>
+#include <support/oracle.hpp>
 
 #include "law_samples.hpp"
 
@@ -176,6 +180,93 @@ TEST_P(PairLaws, NoContactIsEverNotFinite) {
     }
 }
 
+/// Every 15th pose of the path, each asked of a state without memory.
+constexpr std::size_t everySo = 15;
+
+/// A contact stands on both surfaces, on the triangles that it names, and they are as near as it says.
+TEST_P(PairLaws, EveryContactStandsOnGeometry) {
+    int points = 0;
+    for (std::size_t i = 0; i < path.size() && points <= 20; i += 2) {
+        PairState state;
+        update(a, b, path[i], settings, {}, state);
+        for (const RegionSlot& slot : state.contacts.slots) {
+            for (int k = 0; slot.id != 0 && k < slot.count; ++k) {
+                const PersistentPoint& point = slot.points[static_cast<std::size_t>(k)];
+                if (point.signedDistance < -0.02F) {
+                    continue;  // of a cut: its ends are in the middle of the common volume
+                }
+                ++points;
+                const auto offSurface = [](const scenes::Mesh& mesh, std::uint32_t triangle,
+                                           const Eigen::Vector3f& at) {
+                    const Corners corners = cornersOf(mesh.view(), triangle);
+                    const Eigen::Vector3d p = at.cast<double>();
+                    return triangleDistance(corners, {p, p, p});
+                };
+                EXPECT_LT(offSurface(pair.a, point.triangleA, point.localA), 0.021) << "step " << i;
+                EXPECT_LT(offSurface(pair.b, point.triangleB, point.localB), 0.021) << "step " << i;
+                const double apart = triangleDistance(cornersOf(pair.a.view(), point.triangleA),
+                                                      cornersOf(pair.b.view(), point.triangleB, path[i]));
+                EXPECT_LE(apart, std::abs(point.signedDistance) + 1e-3) << "step " << i;
+            }
+        }
+    }
+    EXPECT_GT(points, 3);
+}
+
+TEST_P(PairLaws, SwappedBodiesFindTheSame) {
+    for (std::size_t i = 0; i < path.size(); i += everySo) {
+        PairState forth;
+        PairState back;
+        const PairResult one = update(a, b, path[i], settings, {}, forth);
+        const PairResult other = update(b, a, inverse(path[i]), settings, {}, back);
+        if (one.sampled || other.sampled) {
+            continue;  // drawn in another order
+        }
+        EXPECT_EQ(one.collides, other.collides) << "step " << i;
+        EXPECT_EQ(one.rawContacts, other.rawContacts) << "step " << i;
+        EXPECT_EQ(one.method, other.method);
+    }
+}
+
+TEST_P(PairLaws, ARigidMotionOfBothChangesNothing) {
+    Random random(31);
+    const Pose motion{random.rotation(), random.direction()};
+    const MeshModel moved = makeTrackedModel(movedBy(pair.a, motion).view());
+    for (std::size_t i = 0; i < path.size(); i += everySo) {
+        PairState before;
+        PairState after;
+        const PairResult one = update(a, b, path[i], settings, {}, before);
+        const PairResult other = update(moved, b, compose(motion, path[i]), settings, {}, after);
+        if (one.sampled || other.sampled) {
+            continue;
+        }
+        EXPECT_EQ(one.collides, other.collides) << "step " << i;
+        EXPECT_NEAR(one.rawContacts, other.rawContacts, 1 + one.rawContacts / 50) << "step " << i;
+    }
+}
+
+TEST_P(PairLaws, MoreBudgetIsNeverWorseAndEnoughIsTheSameAsUnlimited) {
+    for (std::size_t i = 0; i < path.size(); i += 2 * everySo) {
+        PairState whole;
+        const PairResult all = update(a, b, path[i], settings, {}, whole);
+        std::uint32_t before = 0;
+        for (std::uint64_t work = 0; work <= 2 * all.work + 2; work += 1 + work / 2) {
+            PairState state;
+            const PairResult result = update(a, b, path[i], settings, {.work = work}, state);
+            EXPECT_LE(result.work, work) << "step " << i;
+            if (result.sampled) {
+                continue;
+            }
+            EXPECT_GE(result.candidates, before) << "step " << i << ", tested at " << work;
+            before = result.candidates;
+            if (result.certain) {
+                EXPECT_EQ(result.collides, all.collides) << "step " << i;
+                EXPECT_EQ(result.rawContacts, all.rawContacts) << "step " << i;
+            }
+        }
+    }
+}
+
 TEST_P(PairLaws, ABadPoseClearsAndTheNextGoodOneRecovers) {
     PairState state;
     walk(state, 0, path.size());
@@ -197,6 +288,43 @@ INSTANTIATE_TEST_SUITE_P(AllPairs, PairLaws,
                          [](const auto& sample) {
                              return lawPairs()[std::get<0>(sample.param)].name + std::get<1>(sample.param).name;
                          });
+
+/// What bruteForceClearance says, but of pairs of triangles whose boxes are within `reach` alone: beyond, infinity.
+double clearanceWithin(const LawPair& pair, const Pose& bInA, double reach) {
+    struct Boxed {
+        Corners corners;
+        Eigen::AlignedBox3d box;
+    };
+    const auto boxed = [](const scenes::Mesh& mesh, const Pose& pose) {
+        std::vector<Boxed> all;
+        for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            Boxed one{cornersOf(mesh.view(), t, pose), {}};
+            for (const Eigen::Vector3d& corner : one.corners) {
+                one.box.extend(corner);
+            }
+            all.push_back(one);
+        }
+        return all;
+    };
+    const std::vector<Boxed> ofA = boxed(pair.a, {});
+    const std::vector<Boxed> ofB = boxed(pair.b, bInA);
+    double nearest = std::numeric_limits<double>::infinity();
+    double deepest = 0;
+    for (const Boxed& x : ofA) {
+        for (const Boxed& y : ofB) {
+            if (x.box.squaredExteriorDistance(y.box) > reach * reach) {
+                continue;
+            }
+            if (trianglesOverlap(x.corners, y.corners)) {
+                deepest = std::max(deepest, triangleSeparation(x.corners, y.corners));
+                nearest = 0;
+            } else {
+                nearest = std::min(nearest, triangleDistance(x.corners, y.corners));
+            }
+        }
+    }
+    return nearest == 0 ? -deepest : nearest;
+}
 
 /// Laws from one method to another.
 class MethodLaws : public testing::TestWithParam<std::size_t> {
@@ -226,6 +354,36 @@ TEST_P(MethodLaws, WithoutALimitAllGiveTheSameContacts) {
         EXPECT_EQ(found[1], found[0]);
         EXPECT_EQ(found[2], found[0]);
     }
+}
+
+TEST_P(MethodLaws, ContactsAreThereByTheOracleAndNoneIsMissed) {
+    int judged = 0;
+    int near = 0;
+    for (std::size_t i = 0; i < path.size(); i += everySo) {
+        const auto reach = static_cast<double>(PairSettings{}.maxDistance);
+        const double clearance = clearanceWithin(pair, path[i], reach + 1e-4);
+        if (std::abs(clearance) < 1e-4 || std::abs(clearance - reach) < 1e-4) {
+            continue;
+        }
+        ++judged;
+        near += clearance < reach ? 1 : 0;
+        for (const Way& way : ways) {
+            SCOPED_TRACE(way.name);
+            PairSettings settings = settingsOf(way);
+            settings.interior = Interior::surface;
+            PairState state;
+            const PairResult result = update(a, b, path[i], settings, {}, state);
+            EXPECT_TRUE(!result.collides || clearance < 0) << "step " << i << ", apart by " << clearance;
+            EXPECT_TRUE(result.rawContacts + result.deepContacts == 0 || clearance < reach)
+                << "no geometry is near, step " << i;
+            if (!result.sampled) {  // what a sample leaves out is bounded elsewhere
+                EXPECT_EQ(result.collides, clearance < 0) << "step " << i << ", clearance " << clearance;
+                EXPECT_EQ(result.rawContacts + result.deepContacts > 0, clearance < reach) << "step " << i;
+            }
+        }
+    }
+    EXPECT_GT(judged, 5);
+    EXPECT_GT(near, 2);
 }
 
 TEST_P(MethodLaws, AModelWithoutFeaturesIsLeftToAdb) {

@@ -196,11 +196,22 @@ TEST(SceneLaws, TwoScenesInTurnsDoNotMeetEachOther) {
     EXPECT_TRUE(same(frames, reference));
 }
 
+class SceneLawsByMethod : public testing::TestWithParam<Method> {
+  protected:
+    static WorldSettings settings() {
+        WorldSettings settings;
+        settings.settings.method = GetParam();
+        return settings;
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, SceneLawsByMethod, testing::Values(Method::automatic, Method::adb, Method::scf),
+                         [](const auto& method) { return std::string(name(method.param)); });
+
 /// Moved and turned as a whole, a scene runs the same until rounding has grown. Without friction: Bullet lays the two
 /// directions of friction by the world's axes.
-TEST(SceneLaws, ARigidMotionOfAllChangesNothing) {
+TEST_P(SceneLawsByMethod, ARigidMotionOfAllChangesNothing) {
     const PoseD motion{Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(), {2, -1, 3}};
-    WorldSettings smooth;
+    WorldSettings smooth = settings();
     smooth.friction = 0;
     World still = makeScene(smooth);
     World moved = makeScene(smooth, motion);
@@ -217,10 +228,10 @@ TEST(SceneLaws, ARigidMotionOfAllChangesNothing) {
 
 /// Poses and velocities are all that a world keeps beside its contacts: a fresh world that is given them goes on nearly
 /// like the old one (contacts start without their impulses, which tells most in the middle of an impact: not then).
-TEST(SceneLaws, AFreshWorldTakesOver) {
-    World old = makeScene();
+TEST_P(SceneLawsByMethod, AFreshWorldTakesOver) {
+    World old = makeScene(settings());
     run(old, 150);
-    World fresh = makeScene();
+    World fresh = makeScene(settings());
     for (std::size_t body = 0; body < old.bodies(); ++body) {
         btRigidBody& to = fresh.body(body);
         const btRigidBody& from = old.body(body);

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 
 #include <scenes/world.hpp>
@@ -18,6 +20,23 @@ inline constexpr double margin = 0.005;  ///< m, of meshes
 
 enum class Floor { plane, mesh, box };
 enum class Body { mesh, primitive };
+
+/// A method, and what its searches may cost a pair in a step.
+struct Way {
+    const char* name;
+    Method method;
+    std::uint64_t searchWork;
+    [[nodiscard]] Settings settings() const {
+        Settings settings;
+        settings.method = method;
+        settings.searchWork = searchWork;
+        return settings;
+    }
+};
+inline constexpr std::uint64_t usualSearchWork = 4096;
+inline constexpr std::array ways{Way{"automatic", Method::automatic, usualSearchWork},
+                                 Way{"adb", Method::adb, usualSearchWork}, Way{"scf", Method::scf, usualSearchWork},
+                                 Way{"sampled", Method::scf, 256}};
 
 inline scenes::WorldSettings labSettings(scenes::Engine engine = scenes::Engine::grapeshot) {
     scenes::WorldSettings settings;

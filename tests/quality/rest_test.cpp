@@ -1,6 +1,9 @@
 // Non-convex bodies come to rest on, in and around each other, and stay; GImpact in the same scenes.
 #include <gtest/gtest.h>
 
+#include <string>
+#include <tuple>
+
 #include <support/rest_scenes.hpp>
 
 #include "lab.hpp"
@@ -17,8 +20,10 @@ struct Rest {
 };
 
 /// Sleeping and damping off: only the contacts can bring the body to rest.
-Rest settle(RestScene scene, scenes::Engine engine, double seconds = 12) {
-    scenes::World world(undamped(engine, 0.02));
+Rest settle(RestScene scene, scenes::Engine engine, const Settings& given = {}, double seconds = 12) {
+    scenes::WorldSettings undampedSettings = undamped(engine, 0.02);
+    undampedSettings.settings = given;
+    scenes::World world(undampedSettings);
     const std::size_t body = addRestScene(world, scene);
     const int steps = static_cast<int>(std::lround(seconds / world.settings().timeStep));
     Rest rest;
@@ -43,10 +48,12 @@ Rest settle(RestScene scene, scenes::Engine engine, double seconds = 12) {
     return rest;
 }
 
-class ComesToRest : public testing::TestWithParam<RestScene> {};
+/// Scf with so little for its searches that it samples, too.
+class ComesToRest : public testing::TestWithParam<std::tuple<RestScene, Way>> {};
 
 TEST_P(ComesToRest, AndStays) {
-    const Rest rest = settle(GetParam(), scenes::Engine::grapeshot);
+    const auto& [scene, way] = GetParam();
+    const Rest rest = settle(scene, scenes::Engine::grapeshot, way.settings());
     EXPECT_EQ(rest.lost, 0);
     EXPECT_LT(rest.residual, 0.02);
     EXPECT_LT(rest.drift, 0.02);
@@ -54,7 +61,15 @@ TEST_P(ComesToRest, AndStays) {
     EXPECT_GE(rest.contacts, 1);
 }
 
-TEST_P(ComesToRest, NoWorseThanGimpact) {
+INSTANTIATE_TEST_SUITE_P(Scenes, ComesToRest,
+                         testing::Combine(testing::ValuesIn(allRestScenes), testing::ValuesIn(ways)),
+                         [](const auto& sample) {
+                             return std::string(name(std::get<0>(sample.param))) + "_" + std::get<1>(sample.param).name;
+                         });
+
+class AgainstGimpact : public testing::TestWithParam<RestScene> {};
+
+TEST_P(AgainstGimpact, ComesToRestNoWorse) {
     const Rest ours = settle(GetParam(), scenes::Engine::grapeshot);
     const Rest gimpact = settle(GetParam(), scenes::Engine::gimpact);
     EXPECT_LE(ours.lost, gimpact.lost);
@@ -62,7 +77,7 @@ TEST_P(ComesToRest, NoWorseThanGimpact) {
     EXPECT_LE(ours.depth, gimpact.depth + 0.002);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ComesToRest, testing::ValuesIn(allRestScenes),
+INSTANTIATE_TEST_SUITE_P(Scenes, AgainstGimpact, testing::ValuesIn(allRestScenes),
                          [](const auto& sample) { return std::string(name(sample.param)); });
 
 }  // namespace

@@ -16,8 +16,9 @@ struct Slid {
     double sideways = 0;  ///< m
 };
 
-Slid slide(Body kind, Floor floor, double startSpeed, double friction) {
+Slid slide(Body kind, Floor floor, double startSpeed, double friction, const Settings& given = {}) {
     scenes::WorldSettings settings = labSettings();
+    settings.settings = given;
     // Bullet multiplies the two frictions.
     settings.friction = std::sqrt(friction);
     scenes::World world(settings);
@@ -53,6 +54,19 @@ TEST_P(Sliding, TheWayToRestIsThatOfTheFormula) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Floors, Sliding, testing::Values(Floor::plane, Floor::mesh, Floor::box), floorName);
+
+class SlidingByMethod : public testing::TestWithParam<Way> {};
+
+TEST_P(SlidingByMethod, TheWayToRestOnAMeshIsThatOfTheFormula) {
+    const Slid slid = slide(Body::mesh, Floor::mesh, 2, 0.3, GetParam().settings());
+    const double expected = 2 * 2 / (2 * 0.3 * gravity);
+    EXPECT_NEAR(slid.distance, expected, 0.02 * expected);
+    EXPECT_LT(slid.endSpeed, 0.01);
+    EXPECT_LT(slid.sideways, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, SlidingByMethod, testing::ValuesIn(ways),
+                         [](const auto& sample) { return std::string(sample.param.name); });
 
 struct Bounce {
     double height = 0;  ///< m above rest, from which it falls
