@@ -18,8 +18,10 @@ bool isUsable(const ImpactSettings& s) {
            std::isfinite(s.exclusion) && s.exclusion >= 0 && s.auditShare >= 0 && s.auditShare <= 1;
 }
 
-std::uint64_t shareOf(std::uint64_t units, float share) {
-    return units == unlimited ? 0 : static_cast<std::uint64_t>(static_cast<double>(units) * static_cast<double>(share));
+/// Units that are kept for the sample; none where they are too few for one.
+std::uint64_t spareOf(std::uint64_t units, float share) {
+    const double spare = units == unlimited ? 0 : static_cast<double>(units) * static_cast<double>(share);
+    return detail::impacts::caution * spare < detail::impacts::priceOfASample ? 0 : static_cast<std::uint64_t>(spare);
 }
 
 }  // namespace
@@ -82,7 +84,7 @@ ImpactResult ImpactQuery::State::find(const SurfaceMotion& motionA, const Surfac
                                     scratch);
         // Only the last part is sampled: before it a sample could not bound what the rest of the step holds.
         const bool isLast = part + 1 == parts;
-        bool finished = search.run(isLast ? shareOf(meter.left(result.work), settings.auditShare) : 0);
+        bool finished = search.run(isLast ? spareOf(meter.left(result.work), settings.auditShare) : 0);
         if (!finished && isLast) {
             search.audit(result.miss);
             finished = search.isExhausted();

@@ -3,6 +3,37 @@
 #include <algorithm>
 
 namespace grapeshot::detail {
+namespace {
+
+struct LessPromising {
+    bool operator()(const WaitingPair& x, const WaitingPair& y) const {
+        return x.promise != y.promise ? x.promise < y.promise : x < y;
+    }
+};
+
+/// Also of what is not finite.
+float promiseOf(float overlap, int leaves) {
+    return (overlap > 0 ? overlap : 0) + impacts::promiseOfALeaf * static_cast<float>(leaves);
+}
+
+/// Do they move against each other by more than half of the smaller one's radius? If they hardly move, much is near from
+/// the start, and overlaps say little.
+bool goesFar(const ImpactSpace& space) {
+    if (space.isSelf()) {
+        return false;
+    }
+    SweptBalls roots{};
+    space.a->putBall(0, roots, 0);
+    space.b->putBall(0, roots, 1);
+    float square = 0;
+    for (const auto& path : roots.path) {
+        square += (path[0] - path[1]) * (path[0] - path[1]);
+    }
+    const float radius = std::min(roots.radius[0], roots.radius[1]);
+    return square > 0.25F * radius * radius;
+}
+
+}  // namespace
 
 ImpactSearch::ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomKey& key, std::uint32_t firstDraw,
                            std::uint64_t spent, ImpactScratch& scratch)
@@ -11,7 +42,9 @@ ImpactSearch::ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomK
       m_scratch(scratch),
       m_key(key),
       m_draw(firstDraw),
+      m_begin(spent),
       m_work(spent),
+      m_isHasty(meter.left(spent) != unlimited && goesFar(space)),
       m_limit(impacts::afterTheEnd) {
     scratch.front.clear();
     scratch.side.clear();
@@ -32,6 +65,9 @@ float ImpactSearch::freeUntil() const {
 }
 
 void ImpactSearch::dropLate(ImpactFront& front) const {
+    if (front.isByPromise) {
+        return;  // nothing is late before an impact is known
+    }
     for (std::vector<WaitingPair>* heap : {&front.pieces, &front.triangles}) {
         if (!heap->empty() && heap->front().time >= m_limit) {
             heap->clear();
@@ -39,18 +75,68 @@ void ImpactSearch::dropLate(ImpactFront& front) const {
     }
 }
 
+void ImpactFront::order(bool byPromise) {
+    if (byPromise == isByPromise) {
+        return;
+    }
+    isByPromise = byPromise;
+    for (std::vector<WaitingPair>* heap : {&pieces, &triangles}) {
+        byPromise ? std::make_heap(heap->begin(), heap->end(), LessPromising{})
+                  : std::make_heap(heap->begin(), heap->end());
+    }
+}
+
+void ImpactFront::putInOrder(std::vector<WaitingPair>& heap, const WaitingPair& pair) const {
+    if (!isByPromise) {
+        put(heap, pair);
+        return;
+    }
+    heap.push_back(pair);
+    std::push_heap(heap.begin(), heap.end(), LessPromising{});
+}
+
+WaitingPair ImpactFront::takeInOrder(std::vector<WaitingPair>& heap) const {
+    if (!isByPromise) {
+        return take(heap);
+    }
+    std::pop_heap(heap.begin(), heap.end(), LessPromising{});
+    const WaitingPair best = heap.back();
+    heap.pop_back();
+    return best;
+}
+
 bool ImpactFront::isForTriangles() const {
     const std::size_t due = triangles.size();
+    if (isByPromise) {
+        return pieces.empty() || due >= impacts::worthACall;
+    }
     return pieces.empty() || due >= batchWidth ||
            (due >= impacts::worthACall && triangles.front().time < pieces.front().time);
 }
 
+bool ImpactSearch::isForPromise() const {
+    const std::uint64_t done = m_work - m_begin;
+    if (!m_isHasty || m_impact || done >= impacts::promisedUnits) {
+        return false;
+    }
+    std::uint64_t begin = 0;
+    std::uint64_t end = impacts::firstPeriod;
+    for (; end <= done; end *= 2) {
+        begin = end;
+    }
+    return 4 * (done - begin) < 3 * (end - begin);
+}
+
 bool ImpactSearch::run(std::uint64_t spare) {
-    return run(m_scratch.front, spare);
+    ImpactFront& front = m_scratch.front;
+    const bool isExhausted = run(front, spare);
+    front.order(false);
+    return isExhausted;
 }
 
 bool ImpactSearch::run(ImpactFront& front, std::uint64_t spare) {
     while (true) {
+        front.order(&front == &m_scratch.front && isForPromise());
         dropLate(front);
         if (front.size() == 0) {
             return true;
@@ -63,26 +149,30 @@ bool ImpactSearch::run(ImpactFront& front, std::uint64_t spare) {
 }
 
 void ImpactSearch::open(ImpactFront& front) {
-    const WaitingPair next = take(front.pieces);
+    const WaitingPair next = front.takeInOrder(front.pieces);
     if (isBallLeaf(next.a) && isBallLeaf(next.b)) {
         openLeaves(front, next);
         return;
     }
     ChildPairs children;
     float time[16];
-    m_work += m_space.expand({next.a, next.b}, m_limit, children, time);
+    float overlap[16];
+    m_work += m_space.expand({next.a, next.b}, m_limit, children, time, overlap);
     for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
         const auto lane = static_cast<unsigned>(std::countr_zero(left));
         const BallPair pair = children.at(lane);
-        put(front.pieces, {std::max(time[lane], next.time), pair.a, pair.b});
+        const int leaves = (isBallLeaf(pair.a) ? 1 : 0) + (isBallLeaf(pair.b) ? 1 : 0);
+        front.putInOrder(front.pieces,
+                         {std::max(time[lane], next.time), pair.a, pair.b, promiseOf(overlap[lane], leaves)});
     }
 }
 
 void ImpactSearch::openLeaves(ImpactFront& front, const WaitingPair& leaves) {
     const std::uint32_t leafA = ballIndex(leaves.a);
     const std::uint32_t leafB = ballIndex(leaves.b);
-    m_work += m_space.openLeaves(leafA, leafB, m_limit, [&](unsigned laneA, unsigned laneB, float time) {
-        put(front.triangles, {std::max(time, leaves.time), leafA << 4U | laneA, leafB << 4U | laneB});
+    m_work += m_space.openLeaves(leafA, leafB, m_limit, [&](unsigned laneA, unsigned laneB, float time, float overlap) {
+        front.putInOrder(front.triangles, {std::max(time, leaves.time), leafA << 4U | laneA, leafB << 4U | laneB,
+                                           promiseOf(overlap, 0)});
     });
 }
 
@@ -90,10 +180,13 @@ void ImpactSearch::advanceEarliest(ImpactFront& front) {
     LanePair pairs[16];
     alignas(64) float time[16] = {};
     float step[16];
+    float promise[16] = {};
     int count = 0;
-    while (count < batchWidth && !front.triangles.empty() && front.triangles.front().time < m_limit) {
-        const WaitingPair next = take(front.triangles);
+    while (count < batchWidth && !front.triangles.empty() &&
+           (front.isByPromise || front.triangles.front().time < m_limit)) {
+        const WaitingPair next = front.takeInOrder(front.triangles);
         pairs[count] = {next.a, next.b};
+        promise[count] = next.promise;
         time[count++] = next.time;
     }
     m_scratch.batch.load(m_space, pairs, count);
@@ -126,7 +219,7 @@ void ImpactSearch::advanceEarliest(ImpactFront& front) {
     for (; open != 0U; open &= open - 1U) {
         const auto lane = static_cast<unsigned>(std::countr_zero(open));
         if (time[lane] < m_limit) {
-            put(front.triangles, {time[lane], pairs[lane].a, pairs[lane].b});
+            front.putInOrder(front.triangles, {time[lane], pairs[lane].a, pairs[lane].b, promise[lane]});
         }
     }
 }

@@ -19,21 +19,10 @@ struct WaitingPair {
     float time = 0;
     std::uint32_t a = 0;
     std::uint32_t b = 0;
+    float promise = 0;  ///< larger: an impact is likelier
     /// Of those of the same time leaves come first and deeper nodes before the others, so that few wait.
     friend bool operator<(const WaitingPair& x, const WaitingPair& y) {
         return x.time != y.time ? x.time > y.time : x.a != y.a ? x.a < y.a : x.b < y.b;
-    }
-};
-
-/// Everything that may touch before the limit lies in one of the pairs. Both are heaps, the earliest on top.
-struct ImpactFront {
-    std::vector<WaitingPair> pieces, triangles;
-    [[nodiscard]] std::size_t size() const { return pieces.size() + triangles.size(); }
-    /// Is a call for triangle pairs the next step? Else a piece is opened.
-    [[nodiscard]] bool isForTriangles() const;
-    void clear() {
-        pieces.clear();
-        triangles.clear();
     }
 };
 
@@ -49,6 +38,26 @@ inline void put(std::vector<WaitingPair>& heap, const WaitingPair& pair) {
     return earliest;
 }
 
+/// Everything that may touch before the limit lies in one of the pairs. Both are heaps, with the earliest on top unless
+/// the order is by promise.
+struct ImpactFront {
+    std::vector<WaitingPair> pieces, triangles;
+    bool isByPromise = false;
+
+    [[nodiscard]] std::size_t size() const { return pieces.size() + triangles.size(); }
+    /// Is a call for triangle pairs the next step? Else a piece is opened.
+    [[nodiscard]] bool isForTriangles() const;
+    /// O(n) if it was another.
+    void order(bool byPromise);
+    void putInOrder(std::vector<WaitingPair>& heap, const WaitingPair& pair) const;
+    [[nodiscard]] WaitingPair takeInOrder(std::vector<WaitingPair>& heap) const;
+    void clear() {
+        pieces.clear();
+        triangles.clear();
+        isByPromise = false;
+    }
+};
+
 /// How a search by time goes on, whatever it looks for.
 namespace impacts {
 inline constexpr float afterTheEnd = 1.000001F;  // a touch at the very end counts
@@ -58,6 +67,9 @@ inline constexpr std::size_t worthACall = 6;  // triangle pairs that are due bef
 inline constexpr int roundsInARow = 4;
 inline constexpr double priceOfASample = 24;  // units, more than most cost
 inline constexpr double caution = 0.75;       // what is not finished counts as a hit
+inline constexpr float promiseOfALeaf = 0.1F;
+inline constexpr std::uint64_t firstPeriod = 64;      // units; each one after it ends at twice as many
+inline constexpr std::uint64_t promisedUnits = 1024;  // ... and from here on there is only time
 }  // namespace impacts
 
 /// Memory that is worth keeping.
@@ -72,7 +84,9 @@ class ImpactSearch {
     ImpactSearch(const ImpactSpace& space, Meter& meter, const RandomKey& key, std::uint32_t firstDraw,
                  std::uint64_t spent, ImpactScratch& scratch);
 
-    /// By time, until there is nothing earlier than the limit, or less than `spare` units are left. True: exhausted.
+    /// Until there is nothing earlier than the limit, or less than `spare` units are left. True: exhausted. By time;
+    /// but with a limited budget for bodies that go far, what promises an impact comes first most of the time until one
+    /// is known: earlier ones are proven absent later. The order does not depend on how large the budget is.
     bool run(std::uint64_t spare);
     /// Searches a uniform sample of what waits.
     void audit(MissEstimate& miss);
@@ -86,6 +100,7 @@ class ImpactSearch {
 
   private:
     bool run(ImpactFront& front, std::uint64_t spare);
+    [[nodiscard]] bool isForPromise() const;
     void open(ImpactFront& front);
     void openLeaves(ImpactFront& front, const WaitingPair& leaves);
     void advanceEarliest(ImpactFront& front);
@@ -97,7 +112,9 @@ class ImpactSearch {
     ImpactScratch& m_scratch;
     RandomKey m_key;
     std::uint32_t m_draw;
+    std::uint64_t m_begin;
     std::uint64_t m_work;
+    bool m_isHasty;
     std::optional<Impact> m_impact;
     float m_limit;  ///< nothing later is of interest
 };

@@ -22,11 +22,12 @@ struct ImpactSpace {
 
     /// Sixteen pairs of swept balls: one unit, two for a body with itself. Not both leaves.
     /// @param limit pairs that do not meet before are left out
-    std::uint64_t expand(const BallPair& pair, float limit, ChildPairs& out, float (&time)[16]) const {
+    std::uint64_t expand(const BallPair& pair, float limit, ChildPairs& out, float (&time)[16],
+                         float (&overlap)[16]) const {
         const OpenPiece<MovingTree, SweptBalls> pieceA(*a, pair.a, false, isSelf(), out.a);
         const OpenPiece<MovingTree, SweptBalls> pieceB(*b, pair.b, false, isSelf(), out.b);
-        out.mask =
-            lanesOf(pieceA.count, pieceB.count) & sweptBallsMeet(*pieceA.balls, *pieceB.balls, margin(), limit, time);
+        out.mask = lanesOf(pieceA.count, pieceB.count) &
+                   sweptBallsMeet(*pieceA.balls, *pieceB.balls, margin(), limit, time, overlap);
         if (!isSelf()) {
             return 1;
         }
@@ -37,8 +38,8 @@ struct ImpactSpace {
         return 2;
     }
 
-    /// Pairs of triangles of two leaves that may meet before `limit`, to found(laneA, laneB, time). Returns the units:
-    /// one, and one more for every triangle of A's that may meet B's leaf.
+    /// Pairs of triangles of two leaves that may meet before `limit`, to found(laneA, laneB, time, overlap). Returns
+    /// the units: one, and one more for every triangle of A's that may meet B's leaf.
     template <class Found>
     std::uint64_t openLeaves(std::uint32_t leafA, std::uint32_t leafB, float limit, Found&& found) const;
 };
@@ -51,14 +52,16 @@ std::uint64_t ImpactSpace::openLeaves(std::uint32_t leafA, std::uint32_t leafB, 
     const SweptLeaf& sweptB = b->leaf(leafB);
     const bool same = isSelf() && leafA == leafB;
     float time[16];
-    std::uint32_t near = sweptLeafMeets(sweptB.whole, sweptA, margin(), limit, time) & ((1U << ownA.count) - 1U);
+    float overlap[16];
+    std::uint32_t near =
+        sweptLeafMeets(sweptB.whole, sweptA, margin(), limit, time, overlap) & ((1U << ownA.count) - 1U);
     std::uint64_t units = 1;
     for (; near != 0U; near &= near - 1U) {
         const auto i = static_cast<unsigned>(std::countr_zero(near));
         const SweptBall one{{sweptA.center[0][i], sweptA.center[1][i], sweptA.center[2][i]},
                             {sweptA.path[0][i], sweptA.path[1][i], sweptA.path[2][i]},
                             sweptA.radius[i]};
-        std::uint32_t row = sweptLeafMeets(one, sweptB, margin(), limit, time) & ((1U << ownB.count) - 1U);
+        std::uint32_t row = sweptLeafMeets(one, sweptB, margin(), limit, time, overlap) & ((1U << ownB.count) - 1U);
         ++units;
         if (same) {
             row &= ~((2U << i) - 1U);
@@ -76,7 +79,7 @@ std::uint64_t ImpactSpace::openLeaves(std::uint32_t leafA, std::uint32_t leafB, 
                     continue;
                 }
             }
-            found(i, j, time[j]);
+            found(i, j, time[j], overlap[j]);
         }
     }
     return units;

@@ -15,6 +15,7 @@ namespace grapeshot::detail::HWY_NAMESPACE {
 struct Meeting16 {
     Mask16 meets;
     Float16 time;
+    Float16 overlap;
 };
 
 HWY_INLINE Float16 longest(Vector16 v) {
@@ -45,27 +46,31 @@ HWY_INLINE Meeting16 meetingOf(Vector16 d, Vector16 w, Float16 sum, Float16 limi
     Meeting16 meeting;
     meeting.meets = !apart;
     meeting.time = select(inside, zero, time);
+    meeting.overlap = left / max(square, wide(1e-36F));
     return meeting;
 }
 
-std::uint32_t ballsMeetKernel(const SweptBalls& a, const SweptBalls& b, float reach, float limit, float (&time)[16]) {
+std::uint32_t ballsMeetKernel(const SweptBalls& a, const SweptBalls& b, float reach, float limit, float (&time)[16],
+                              float (&overlap)[16]) {
     const Vector16 d = Vector16{spreadA(a.center[0]), spreadA(a.center[1]), spreadA(a.center[2])} -
                        Vector16{repeatB(b.center[0]), repeatB(b.center[1]), repeatB(b.center[2])};
     const Vector16 w = Vector16{spreadA(a.path[0]), spreadA(a.path[1]), spreadA(a.path[2])} -
                        Vector16{repeatB(b.path[0]), repeatB(b.path[1]), repeatB(b.path[2])};
     const Meeting16 meeting = meetingOf(d, w, spreadA(a.radius) + repeatB(b.radius) + wide(reach), wide(limit));
     storeU(meeting.time, time);
+    storeU(meeting.overlap, overlap);
     return bits(meeting.meets);
 }
 
-std::uint32_t leafMeetsKernel(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit,
-                              float (&time)[16]) {
+std::uint32_t leafMeetsKernel(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit, float (&time)[16],
+                              float (&overlap)[16]) {
     const Vector16 d = Vector16{load(leaf.center[0]), load(leaf.center[1]), load(leaf.center[2])} -
                        Vector16{wide(one.center[0]), wide(one.center[1]), wide(one.center[2])};
     const Vector16 w = Vector16{load(leaf.path[0]), load(leaf.path[1]), load(leaf.path[2])} -
                        Vector16{wide(one.path[0]), wide(one.path[1]), wide(one.path[2])};
     const Meeting16 meeting = meetingOf(d, w, load(leaf.radius) + wide(one.radius) + wide(reach), wide(limit));
     storeU(meeting.time, time);
+    storeU(meeting.overlap, overlap);
     return bits(meeting.meets);
 }
 
@@ -77,16 +82,16 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 
-std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit,
-                             float (&time)[16]) noexcept {
+std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit, float (&time)[16],
+                             float (&overlap)[16]) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(ballsMeetKernel);
-    return kernel.chosen()(a, b, reach, limit, time);
+    return kernel.chosen()(a, b, reach, limit, time, overlap);
 }
 
-std::uint32_t sweptLeafMeets(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit,
-                             float (&time)[16]) noexcept {
+std::uint32_t sweptLeafMeets(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit, float (&time)[16],
+                             float (&overlap)[16]) noexcept {
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(leafMeetsKernel);
-    return kernel.chosen()(one, leaf, reach, limit, time);
+    return kernel.chosen()(one, leaf, reach, limit, time, overlap);
 }
 
 }  // namespace grapeshot::detail

@@ -28,12 +28,13 @@ struct alignas(64) SweptLeaf {
 };
 
 /// Bit 4 a + b: balls a and b come within `reach`, before `limit`. time[4 a + b]: not before then, a little early.
-/// Also if a number is not finite.
+/// Also if a number is not finite. overlap[4 a + b]: 1 - (least distance of the centres / sum of the radii)^2, with the
+/// reach; 0 where they only graze each other, 1 where a centre goes through the other's.
 [[nodiscard]] std::uint32_t sweptBallsMeet(const SweptBalls& a, const SweptBalls& b, float reach, float limit,
-                                           float (&time)[16]) noexcept;
+                                           float (&time)[16], float (&overlap)[16]) noexcept;
 
 /// The same for one ball and those of a leaf, bit and place as its lane.
 [[nodiscard]] std::uint32_t sweptLeafMeets(const SweptBall& one, const SweptLeaf& leaf, float reach, float limit,
-                                           float (&time)[16]) noexcept;
+                                           float (&time)[16], float (&overlap)[16]) noexcept;
 
 }  // namespace grapeshot::detail

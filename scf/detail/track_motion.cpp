@@ -176,15 +176,16 @@ void TrackMotion::open(ImpactFront& front) {
     if (isBallLeaf(next.a) && isBallLeaf(next.b)) {
         const std::uint32_t leafA = ballIndex(next.a);
         const std::uint32_t leafB = ballIndex(next.b);
-        m_work +=
-            m_space.openLeaves(leafA, leafB, impacts::afterTheEnd, [&](unsigned laneA, unsigned laneB, float time) {
+        m_work += m_space.openLeaves(
+            leafA, leafB, impacts::afterTheEnd, [&](unsigned laneA, unsigned laneB, float time, float) {
                 put(front.triangles, {std::max(time, next.time), leafA << 4U | laneA, leafB << 4U | laneB});
             });
         return;
     }
     ChildPairs children;
     float time[16];
-    m_work += m_space.expand({next.a, next.b}, impacts::afterTheEnd, children, time);
+    float overlap[16];
+    m_work += m_space.expand({next.a, next.b}, impacts::afterTheEnd, children, time, overlap);
     for (std::uint32_t left = children.mask; left != 0U; left &= left - 1U) {
         const auto lane = static_cast<unsigned>(std::countr_zero(left));
         const BallPair pair = children.at(lane);

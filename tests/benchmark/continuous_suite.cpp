@@ -1,6 +1,7 @@
 #include "continuous_suite.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <optional>
@@ -89,13 +90,44 @@ auto timed(ImpactAnswers& answers, Call&& call) {
     return result;
 }
 
-void ask(ImpactAnswers& answers, ImpactQuery& query, const SurfaceMotion& a, const SurfaceMotion& b,
-         const ImpactSettings& settings, std::uint64_t work, double truth, double allowed) {
+/// @return units that it took
+std::uint64_t askWith(ImpactAnswers& answers, ImpactQuery& query, const SurfaceMotion& a, const SurfaceMotion& b,
+                      const ImpactSettings& settings, std::uint64_t work, double truth, double allowed) {
     const ImpactResult result = timed(answers, [&] { return query.find(a, b, settings, {.work = work}); });
     answers.note(result);
     answers.judge(result.impact ? std::optional(static_cast<double>(result.impact->time)) : std::nullopt, truth,
                   allowed);
+    return result.work;
 }
+
+/// Of what a search without a budget takes of the same event.
+struct WorkShare {
+    const char* name;
+    double share;
+};
+constexpr std::array workShares{WorkShare{"1/10 of the work", 0.1}, WorkShare{"1/4 of the work", 0.25},
+                                WorkShare{"1/2 of the work", 0.5}};
+
+/// What an event is worth when only a share of its work may be done.
+class RecallOverBudget {
+  public:
+    RecallOverBudget() {
+        for (const WorkShare& one : workShares) {
+            m_answers.emplace_back().name = one.name;
+        }
+    }
+    void ask(ImpactQuery& query, const SurfaceMotion& a, const SurfaceMotion& b, const ImpactSettings& settings,
+             std::uint64_t wholeWork, double truth, double allowed) {
+        for (std::size_t i = 0; i < workShares.size(); ++i) {
+            const auto work = static_cast<std::uint64_t>(workShares[i].share * static_cast<double>(wholeWork));
+            askWith(m_answers[i], query, a, b, settings, work, truth, allowed);
+        }
+    }
+    [[nodiscard]] const std::vector<ImpactAnswers>& answers() const { return m_answers; }
+
+  private:
+    std::vector<ImpactAnswers> m_answers;
+};
 
 std::vector<Eigen::Vector3f> between(const std::vector<Eigen::Vector3f>& before,
                                      const std::vector<Eigen::Vector3f>& now, float time) {
@@ -175,6 +207,7 @@ void addNeedle(const Options& options, report::Report& results) {
         }
         ImpactAnswers once = named("at the end only", false);
         ImpactAnswers often = named("16 substeps", false);
+        RecallOverBudget shares;
         std::size_t colliding = 0;
         const auto share = static_cast<int>(s);
         const int count = (events + static_cast<int>(speeds.size()) - 1 - share) / static_cast<int>(speeds.size());
@@ -191,12 +224,13 @@ void addNeedle(const Options& options, report::Report& results) {
             settings.tolerance = tolerance;
             settings.seed = options.seed;
             settings.step = static_cast<std::uint64_t>(i);
-            ask(exact, query, a, b, settings, unlimited, truth, allowed);
+            const std::uint64_t whole = askWith(exact, query, a, b, settings, unlimited, truth, allowed);
+            shares.ask(query, a, b, settings, whole, truth, allowed);
             SurfaceMotion unknown = a;
             unknown.stretch = Stretch::measured();
-            ask(measured, query, unknown, b, settings, unlimited, truth, allowed);
+            askWith(measured, query, unknown, b, settings, unlimited, truth, allowed);
             for (auto& [answers, work] : budgets) {
-                ask(answers, query, a, b, settings, work, truth, allowed);
+                askWith(answers, query, a, b, settings, work, truth, allowed);
             }
             once.judge(bySubsteps(once, tracker, event, given, 1), truth, allowed);
             often.judge(bySubsteps(often, tracker, event, given, 16), truth, allowed);
@@ -214,6 +248,10 @@ void addNeedle(const Options& options, report::Report& results) {
         add(exact);
         add(measured);
         for (const auto& [answers, work] : budgets) {
+            budgetFalse += answers.falseHits;
+            add(answers);
+        }
+        for (const ImpactAnswers& answers : shares.answers()) {
             budgetFalse += answers.falseHits;
             add(answers);
         }
@@ -260,7 +298,7 @@ void addRigid(const Options& options, report::Report& results) {
             ImpactSettings settings;
             settings.tolerance = tolerance;
             ImpactQuery own(cloth, placedTree);
-            ask(ours, own, rigidMotion(), rigidMotion({{}, path, {0, 0, 0}}), settings, unlimited, truth, allowed);
+            askWith(ours, own, rigidMotion(), rigidMotion({{}, path, {0, 0, 0}}), settings, unlimited, truth, allowed);
             const Pose to{Eigen::Matrix3f::Identity(), path};
             for (const auto& [answers, solver, error] :
                  {std::tuple{&fcl, FclSolver::advancement, 1e-4}, {&steps, FclSolver::substeps, 1e-3}}) {
@@ -369,6 +407,7 @@ void addDeforming(const Options& options, report::Report& results) {
     ImpactQuery query(treeA, treeB);
     ImpactAnswers exact = named("by time, bound measured");
     ImpactAnswers budget = named("256 units");
+    RecallOverBudget shares;
     std::size_t colliding = 0;
     for (int frame = 0; frame + 1 < frames; ++frame) {
         const TrackingFrame before = twoBodiesAt(scene, 0.12F, frame, frames);
@@ -381,12 +420,16 @@ void addDeforming(const Options& options, report::Report& results) {
         settings.step = static_cast<std::uint64_t>(frame);
         const SurfaceMotion a{before.a, now.a, {}, Stretch::measured(), {}};
         const SurfaceMotion b{before.b, now.b, {}, Stretch::measured(), {}};
-        ask(exact, query, a, b, settings, unlimited, truth, 1e-3);
-        ask(budget, query, a, b, settings, 256, truth, 1e-3);
+        const std::uint64_t whole = askWith(exact, query, a, b, settings, unlimited, truth, 1e-3);
+        shares.ask(query, a, b, settings, whole, truth, 1e-3);
+        askWith(budget, query, a, b, settings, 256, truth, 1e-3);
     }
     const std::size_t triangles = scene.a.triangles.size() + scene.b.triangles.size();
     results.rows.push_back(rowOf("deforming", scene.name, triangles, exact, exact, colliding));
     results.rows.push_back(rowOf("deforming", scene.name, triangles, budget, exact, colliding));
+    for (const ImpactAnswers& answers : shares.answers()) {
+        results.rows.push_back(rowOf("deforming", scene.name, triangles, answers, exact, colliding));
+    }
     results.claims.push_back(
         {"deforming: hits missed and false hits", static_cast<double>(exact.misses + exact.falseHits), false, 0});
     results.claims.push_back({"deforming: times off", static_cast<double>(exact.late), false, 0});

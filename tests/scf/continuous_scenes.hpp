@@ -1,11 +1,13 @@
 // Surfaces in motion within one step, and what the slow truth says of them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include <grapeshot/scf/continuous.hpp>
+#include <grapeshot/scf/detail/impact_search.hpp>
 
 #include <scenes/shapes.hpp>
 #include <support/impact_oracle.hpp>
@@ -66,6 +68,43 @@ struct PassingPair {
         return {passingBody(meshA, 0.1, random), passingBody(meshB, random.uniform(0.9, 2.5), random)};
     }
 };
+
+/// How many of the pairs that wait hold one of the impacts?
+inline std::uint64_t waitingWith(const std::vector<TriangleImpact>& impacts, const BallTree& a, const BallTree& b,
+                                 const detail::ImpactFront& front) {
+    const auto below = [](const BallTree& tree, BallRef root) {
+        std::vector<char> isBelow(tree.surface.triangles.size(), 0);
+        std::vector<BallRef> open{root};
+        while (!open.empty()) {
+            const BallRef ref = open.back();
+            open.pop_back();
+            if (isBallLeaf(ref)) {
+                const BallLeaf& leaf = tree.leaves[ballIndex(ref)];
+                for (std::uint32_t i = 0; i < leaf.count; ++i) {
+                    isBelow[leaf.triangle[i]] = 1;
+                }
+                continue;
+            }
+            const BallNode& node = tree.nodes[ballIndex(ref)];
+            open.insert(open.end(), node.child, node.child + node.count);
+        }
+        return isBelow;
+    };
+    std::uint64_t count = 0;
+    for (const detail::WaitingPair& pair : front.pieces) {
+        const std::vector<char> belowA = below(a, pair.a);
+        const std::vector<char> belowB = below(b, pair.b);
+        count += std::ranges::any_of(
+            impacts, [&](const TriangleImpact& impact) { return belowA[impact.a] != 0 && belowB[impact.b] != 0; });
+    }
+    for (const detail::WaitingPair& pair : front.triangles) {
+        const std::uint32_t i = a.leaves[pair.a >> 4U].triangle[pair.a & 15U];
+        const std::uint32_t j = b.leaves[pair.b >> 4U].triangle[pair.b & 15U];
+        count +=
+            std::ranges::any_of(impacts, [&](const TriangleImpact& impact) { return impact.a == i && impact.b == j; });
+    }
+    return count;
+}
 
 inline constexpr ImpactSettings fineSettings{.tolerance = 1e-6F};
 

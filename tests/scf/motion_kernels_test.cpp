@@ -92,6 +92,12 @@ Approach approachOf(const detail::SweptBalls& a, int i, const detail::SweptBalls
     return result;
 }
 
+double overlapOf(const detail::SweptBalls& a, int i, const detail::SweptBalls& b, int j, float reach) {
+    const Approach pair = approachOf(a, i, b, j, reach);
+    const double share = pair.nearest() / std::max(pair.sum, 1e-9);
+    return 1 - share * share;
+}
+
 TEST(SweepKernels, AreNeverLaterThanTheRootOfTheQuadratic) {
     const InstructionSetGuard guard;
     Random random(5);
@@ -115,21 +121,31 @@ TEST(SweepKernels, AreNeverLaterThanTheRootOfTheQuadratic) {
             {b.center[0][0], b.center[1][0], b.center[2][0]}, {b.path[0][0], b.path[1][0], b.path[2][0]}, b.radius[0]};
         std::optional<std::pair<std::uint32_t, std::uint32_t>> first;
         float firstTime[32];
+        float firstOverlap[32];
         for (const InstructionSet set : instructionSets()) {
             limitInstructionSet(set);
             float time[16];
             float leafTime[16];
-            const std::uint32_t mask = detail::sweptBallsMeet(a, b, reach, limit, time);
-            const std::uint32_t leafMask = detail::sweptLeafMeets(one, leaf, reach, limit, leafTime);
+            float overlap[16];
+            float leafOverlap[16];
+            const std::uint32_t mask = detail::sweptBallsMeet(a, b, reach, limit, time, overlap);
+            const std::uint32_t leafMask = detail::sweptLeafMeets(one, leaf, reach, limit, leafTime, leafOverlap);
             if (!first) {
                 first = {mask, leafMask};
                 std::copy_n(time, 16, firstTime);
                 std::copy_n(leafTime, 16, firstTime + 16);
+                std::copy_n(overlap, 16, firstOverlap);
+                std::copy_n(leafOverlap, 16, firstOverlap + 16);
             }
             ASSERT_EQ(std::pair(mask, leafMask), *first);
             for (int lane = 0; lane < 16; ++lane) {
                 ASSERT_EQ(time[lane], firstTime[lane]);
                 ASSERT_EQ(leafTime[lane], firstTime[lane + 16]);
+                ASSERT_EQ(overlap[lane], firstOverlap[lane]);
+                ASSERT_EQ(leafOverlap[lane], firstOverlap[lane + 16]);
+                if ((mask >> lane & 1U) != 0U) {
+                    EXPECT_NEAR(static_cast<double>(overlap[lane]), overlapOf(a, lane / 4, b, lane % 4, reach), 0.02);
+                }
                 expectSwept(approachOf(a, lane / 4, b, lane % 4, reach), (mask >> lane & 1U) != 0U, time[lane], limit,
                             rounding, counts);
                 detail::SweptBalls single{};
@@ -154,7 +170,8 @@ TEST(SweepKernels, NothingThatIsNoNumberIsCulled) {
     a.center[1][2] = std::nanf("");
     b.path[0][1] = std::nanf("");
     float time[16];
-    const std::uint32_t mask = detail::sweptBallsMeet(a, b, 0, 1, time);
+    float overlap[16];
+    const std::uint32_t mask = detail::sweptBallsMeet(a, b, 0, 1, time, overlap);
     EXPECT_EQ(mask >> 8U & 15U, 15U);
     EXPECT_EQ(mask & 0x2222U, 0x2222U);
 }

@@ -3,11 +3,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
 
 #include <grapeshot/scf/detail/cells.hpp>
+#include <grapeshot/scf/detail/track_motion.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
 #include <adb/meshes.hpp>
@@ -200,6 +202,88 @@ TEST(TrackerSweep, ABudgetIsKeptAndWhatItLeavesIsNotDenied) {
     }
     EXPECT_GT(uncertain, 20U);
     EXPECT_EQ(held, judged);
+}
+
+/// One continuous step from nothing, and what its search leaves to the sample.
+struct SweptStep {
+    detail::MovingTree a, b;
+    detail::TrackerScratch scratch;
+    TrackResult out;
+
+    SweptStep(const PassingPair& scene, const PassingPair::Event& event, const TrackSettings& settings,
+              std::uint64_t work)
+        : a(scene.a), b(scene.b), scratch(scene.a, scene.b, false) {
+        scratch.spacingA = detail::cellsOfRadius(scene.a, settings.spacing);
+        scratch.spacingB = detail::cellsOfRadius(scene.b, settings.spacing);
+        a.begin(event.a.motion(), 2.5F, {});
+        b.begin(event.b.motion(), 2.5F, {});
+        const detail::ImpactSpace space{&a, &b, settings.maxDistance, settings.tolerance, -1};
+        detail::Meter meter({.work = work});
+        detail::TrackerMemory memory;
+        detail::TrackMotion(space, settings, meter, memory, scratch, out).run({});
+    }
+};
+
+/// The unit is an event; of each, many samples.
+TEST(TrackerSweep, TheBoundOnWhatWasMissedHolds) {
+    const PassingPair scene(4);
+    TrackSettings settings = sweepSettings(TrackMode::budget);
+    settings.auditShare = 0.4F;
+    TrackSettings unsampled = settings;
+    unsampled.auditShare = 0;
+    const detail::Cells cellsA = detail::cellsOfRadius(scene.a, settings.spacing);
+    const detail::Cells cellsB = detail::cellsOfRadius(scene.b, settings.spacing);
+    const auto keyOf = [&](std::uint32_t triangleA, std::uint32_t triangleB) {
+        return std::pair{cellsA.idOf(scene.a, triangleA), cellsB.idOf(scene.b, triangleB)};
+    };
+    std::vector<double> heldPerEvent;
+    double missed = 0;
+    double estimated = 0;
+    double samples = 0;
+    const std::size_t most = sampleSize(10, 40);
+    for (std::uint64_t seed = 0; heldPerEvent.size() < most && seed < 8 * most; ++seed) {
+        const PassingPair::Event event = scene.event(seed);
+        const std::vector<TriangleImpact> all = allImpacts(event.a.exact(), event.b.exact());
+        if (all.empty()) {
+            continue;
+        }
+        const std::uint64_t work = 500 + 60 * (seed % 8);
+        const auto spare =
+            static_cast<std::uint64_t>(static_cast<double>(work) * static_cast<double>(settings.auditShare));
+        const SweptStep search(scene, event, unsampled, work - spare);
+        std::set<std::pair<std::uint32_t, std::uint32_t>> known;
+        for (const TrackedContact& contact : search.out.contacts) {
+            known.insert(keyOf(contact.pair.triangleA, contact.pair.triangleB));
+        }
+        std::vector<TriangleImpact> unknown = all;
+        std::erase_if(unknown, [&](const TriangleImpact& impact) { return known.contains(keyOf(impact.a, impact.b)); });
+        const auto truth = static_cast<double>(waitingWith(unknown, scene.a, scene.b, search.scratch.impact.front));
+        double held = 0;
+        constexpr int draws = 12;
+        for (settings.seed = 1; settings.seed <= draws; ++settings.seed) {
+            const MissEstimate miss = SweptStep(scene, event, settings, work).out.miss;
+            ASSERT_EQ(miss.unknown, search.scratch.impact.front.size());
+            ASSERT_LE(static_cast<double>(miss.hits), truth + 1);  // by the tolerance, one may touch that passes by
+            held += truth - static_cast<double>(miss.hits) <= miss.missedBound ? 1 : 0;
+            if (miss.open == 0 && miss.sampled > 0) {
+                missed += truth - static_cast<double>(miss.hits);
+                estimated += miss.missed;
+                ++samples;
+            }
+        }
+        heldPerEvent.push_back(held / draws);
+    }
+    ASSERT_EQ(heldPerEvent.size(), most);
+    EXPECT_GT(missed, samples) << "there is little to miss";
+    EXPECT_NEAR(estimated, missed, 0.15 * missed);
+    double mean = 0;
+    double squares = 0;
+    for (const double held : heldPerEvent) {
+        mean += held / static_cast<double>(most);
+        squares += held * held / static_cast<double>(most);
+    }
+    const double error = std::sqrt(std::max(0.0, squares - mean * mean) / static_cast<double>(most - 1));
+    EXPECT_GE(mean + 2 * error, 0.95) << "significantly below what is said";
 }
 
 TEST(TrackerSweep, OfABodyWithItself) {
