@@ -292,8 +292,9 @@ Sliced copyInSlices(const MeshModel& from, MeshModel& to) {
 
 Sliced addFeaturesInSlices(MeshModel& model) {
     if (!model.features) {
-        co_yield mostSlicedPiece;
-        model.features = std::make_shared<const FeatureModel>(makeFeatureModel(model.tree, model.leafOf));
+        auto features = std::make_shared<FeatureModel>();
+        co_await makeFeatureModelInSlices(model.tree, model.leafOf, *features);
+        model.features = std::move(features);
         model.featureStretch = 0;
     }
 }

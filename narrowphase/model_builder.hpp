@@ -2,9 +2,11 @@
 // makeModelOf and refit.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include <grapeshot/core/sliced.hpp>
+#include <grapeshot/narrowphase/feature_model.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 
 namespace grapeshot {
@@ -12,8 +14,11 @@ namespace grapeshot {
 /// All but `model.tree`, which is there already. About 5 work units a triangle.
 Sliced makeModelInSlices(MeshModel& model);
 
-/// What Method::scf needs, if it is not there: the ball tree is one piece, which counts as the largest there may be.
+/// What Method::scf needs, if it is not there. About 26 work units a triangle.
 Sliced addFeaturesInSlices(MeshModel& model);
+
+/// The same into an empty model of features.
+Sliced makeFeatureModelInSlices(const Tree& tree, std::span<const std::uint32_t> leafOf, FeatureModel& model);
 
 /// All of it.
 Sliced copyInSlices(const MeshModel& from, MeshModel& to);

@@ -16,8 +16,8 @@ inline namespace GRAPESHOT_PRECISION {
 /// Lengths that are given as shares are multiples of the pair's size: half the diagonal of the box around the smaller
 /// of its two bodies. So one setting serves pebbles and ships.
 struct Settings {
-    /// How contacts of mesh pairs are found; see there. Scf builds a ball tree of each mesh too: about 5 us and 110
-    /// bytes a triangle more, in one piece when the shape is first met (see prebuild).
+    /// How contacts of mesh pairs are found; see there. A mesh under scf has both trees, for depths, bodies in bodies and
+    /// what is ahead of fast ones ask adb's: about 5 us and 110 bytes a triangle more, built in slices (see prebuild).
     Method method = Method::automatic;
     /// Method::scf: work units of a step that may go into finding where two meshes are near; half of it is enough for
     /// most pairs of a pile, and then nothing is left out. What takes more is tracked and sampled: such answers are not

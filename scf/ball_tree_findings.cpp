@@ -11,7 +11,9 @@ namespace {
 class Inspector {
   public:
     explicit Inspector(const BallTree& tree)
-        : m_tree(tree), m_geodesics(tree.surface), m_seen(tree.surface.triangles.size(), 0) {}
+        : m_tree(tree), m_geodesics(tree.surface), m_seen(tree.surface.triangles.size(), 0) {
+        m_geodesics.prepare().run();
+    }
 
     std::vector<std::string> run() {
         if (m_tree.nodes.empty() || m_tree.restBalls.size() != m_tree.nodes.size() ||
@@ -95,7 +97,7 @@ class Inspector {
         }
         std::sort(corners.begin(), corners.end());
         corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-        m_geodesics.setGoals(corners);
+        m_geodesics.setGoals(corners).run();
         if (!(m_geodesics.radiusAround(center) <= static_cast<double>(radius))) {
             say(name + ": a corner is farther than the radius");
         }

@@ -4,29 +4,42 @@
 #include <cmath>
 #include <limits>
 
+#include <grapeshot/scf/detail/sliced_vectors.hpp>
+
 namespace grapeshot::detail {
 namespace {
 
 constexpr std::size_t unlimitedVisits = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t visitsPerUnit = 2;  ///< of vertices with six neighbours
+constexpr std::size_t goalsPerUnit = 32;
 
 }  // namespace
 
-Geodesics::Geodesics(const Surface& surface) : m_surface(surface), m_labels(surface.rest.size()) {
+Sliced Geodesics::prepare() {
+    co_await fillInSlices(m_labels, m_surface.rest.size(), Label{});
+    m_goalList.reserve(m_surface.rest.size());
     double squares = 0;
-    for (const float square : surface.edgeSquare) {
-        squares += static_cast<double>(square);
-    }
+    const auto add = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            squares += static_cast<double>(m_surface.edgeSquare[i]);
+        }
+    };
+    co_await inPieces(0, m_surface.edgeSquare.size(), 128, add);
     if (squares > 0) {
-        m_width = std::sqrt(squares / static_cast<double>(surface.edgeSquare.size()));
+        m_width = std::sqrt(squares / static_cast<double>(m_surface.edgeSquare.size()));
     }
 }
 
-void Geodesics::setGoals(std::span<const std::uint32_t> vertices) {
+Sliced Geodesics::setGoals(std::span<const std::uint32_t> vertices) {
     ++m_goals;
-    m_goalList.assign(vertices.begin(), vertices.end());
-    for (const std::uint32_t vertex : vertices) {
-        m_labels[vertex].goal = m_goals;
-    }
+    m_goalList.clear();
+    const auto set = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            m_goalList.push_back(vertices[i]);
+            m_labels[vertices[i]].goal = m_goals;
+        }
+    };
+    co_await inPieces(0, vertices.size(), goalsPerUnit, set);
 }
 
 void Geodesics::reach(std::uint32_t vertex, double distance) {
@@ -46,7 +59,8 @@ std::uint64_t Geodesics::bucketOf(double distance) const {
     return static_cast<std::uint64_t>(distance / m_width);
 }
 
-bool Geodesics::run(bool goalsOnly, std::size_t mostVisits) {
+Sliced Geodesics::run(bool goalsOnly, std::size_t mostVisits) {
+    std::size_t paid = 0;
     for (; m_queued > 0; ++m_current) {
         std::vector<Entry>& bucket = m_buckets[m_current % m_buckets.size()];
         while (!bucket.empty()) {
@@ -63,8 +77,15 @@ bool Geodesics::run(bool goalsOnly, std::size_t mostVisits) {
             }
             if (mostVisits-- == 0) {
                 clear();
-                return false;
+                co_return;
             }
+            if (paid == 0) {
+                // Not more than there is for small ones.
+                const std::size_t next = std::min<std::size_t>(mostSlicedPiece * visitsPerUnit, m_goalList.size());
+                paid = std::max<std::size_t>(1, next);
+                co_yield (paid + visitsPerUnit - 1) / visitsPerUnit;
+            }
+            --paid;
             for (const std::uint32_t other : m_surface.ring.of(entry.vertex)) {
                 if (!goalsOnly || m_labels[other].goal == m_goals) {
                     const Eigen::Vector3f edge = m_surface.rest[other] - m_surface.rest[entry.vertex];
@@ -73,7 +94,6 @@ bool Geodesics::run(bool goalsOnly, std::size_t mostVisits) {
             }
         }
     }
-    return true;
 }
 
 void Geodesics::clear() {
@@ -92,49 +112,58 @@ double Geodesics::largestDistance() const {
     return largest;
 }
 
-bool Geodesics::withinGoals(std::uint32_t from, std::vector<double>& distances) {
+Sliced Geodesics::withinGoals(std::uint32_t from, std::vector<double>& distances, bool& connected) {
     ++m_search;
     m_current = 0;
     reach(from, 0);
-    run(true, unlimitedVisits);
-    bool connected = true;
+    co_await run(true, unlimitedVisits);
+    connected = true;
     double farthest = 0;
-    for (const std::uint32_t goal : m_goalList) {
+    for (std::size_t i = 0; i < m_goalList.size(); ++i) {
+        if (i % goalsPerUnit == 0) {
+            co_yield 1;
+        }
+        const std::uint32_t goal = m_goalList[i];
         if (m_labels[goal].search != m_search) {
             if (connected) {
                 connected = false;
-                for (const std::uint32_t other : m_goalList) {
-                    if (m_labels[other].search == m_search) {
-                        farthest = std::max(farthest, m_labels[other].distance);
+                const auto look = [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t k = begin; k < end; ++k) {
+                        const Label& other = m_labels[m_goalList[k]];
+                        farthest = other.search == m_search ? std::max(farthest, other.distance) : farthest;
                     }
-                }
+                };
+                co_await inPieces(0, m_goalList.size(), goalsPerUnit, look);
             }
             m_current = static_cast<std::uint64_t>(farthest / m_width);
             reach(goal, farthest);
-            run(true, unlimitedVisits);
+            co_await run(true, unlimitedVisits);
         }
         farthest = std::max(farthest, m_labels[goal].distance);
     }
-    distances.resize(m_goalList.size());
-    std::transform(m_goalList.begin(), m_goalList.end(), distances.begin(),
-                   [&](std::uint32_t vertex) { return m_labels[vertex].distance; });
-    return connected;
+    distances.clear();
+    const auto list = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            distances.push_back(m_labels[m_goalList[i]].distance);
+        }
+    };
+    co_await inPieces(0, m_goalList.size(), 2 * goalsPerUnit, list);
 }
 
 double Geodesics::radiusAround(std::uint32_t center) {
     ++m_search;
     m_current = 0;
     reach(center, 0);
-    run(false, unlimitedVisits);
+    run(false, unlimitedVisits).run();
     return largestDistance();
 }
 
-double Geodesics::radiusNear(std::uint32_t center) {
+Sliced Geodesics::radiusNear(std::uint32_t center, double& radius) {
     ++m_search;
     m_current = 0;
     reach(center, 0);
-    run(false, 32 * m_goalList.size());
-    return largestDistance();  // a label is the length of some path, also where it was stopped
+    co_await run(false, 32 * m_goalList.size());
+    radius = largestDistance();  // a label is the length of some path, also where it was stopped
 }
 
 }  // namespace grapeshot::detail

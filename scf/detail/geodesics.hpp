@@ -10,24 +10,27 @@
 #include <span>
 #include <vector>
 
+#include <grapeshot/core/sliced.hpp>
 #include <grapeshot/scf/surface.hpp>
 
 namespace grapeshot::detail {
 
-/// Shortest paths from one vertex after another; memory is kept between searches.
+/// Shortest paths from one vertex after another; memory is kept between searches. Everything long is in slices.
 class Geodesics {
   public:
-    explicit Geodesics(const Surface& surface);
+    /// Of no use before `prepare` is through.
+    explicit Geodesics(const Surface& surface) : m_surface(surface) {}
+    Sliced prepare();
 
     /// The vertices that the next searches are about. Distinct.
-    void setGoals(std::span<const std::uint32_t> vertices);
-    /// Distances within the goals alone, in the order of the goals, m. False if the goals are not connected among
+    Sliced setGoals(std::span<const std::uint32_t> vertices);
+    /// Distances within the goals alone, in the order of the goals, m. Not connected if the goals are not among
     /// themselves: each further part then begins at the largest distance so far, from its first goal on.
-    bool withinGoals(std::uint32_t from, std::vector<double>& distances);
+    Sliced withinGoals(std::uint32_t from, std::vector<double>& distances, bool& connected);
     /// Largest distance to a goal along any path on the surface, m; infinite if one cannot be reached.
     [[nodiscard]] double radiusAround(std::uint32_t center);
     /// An upper bound of it, from a search that does not go far beyond the goals; infinite if that reaches not all.
-    [[nodiscard]] double radiusNear(std::uint32_t center);
+    Sliced radiusNear(std::uint32_t center, double& radius);
 
   private:
     struct Label {
@@ -41,8 +44,8 @@ class Geodesics {
     };
     void reach(std::uint32_t vertex, double distance);
     [[nodiscard]] std::uint64_t bucketOf(double distance) const;
-    /// Until there is nothing left to reach; false if it was stopped before.
-    bool run(bool goalsOnly, std::size_t mostVisits);
+    /// Until there is nothing left to reach, or so many were visited.
+    Sliced run(bool goalsOnly, std::size_t mostVisits);
     void clear();
     [[nodiscard]] double largestDistance() const;
 

@@ -72,6 +72,31 @@ TEST(SlicedShapes, AFloorThatAppearsHoldsABodyAtOnce) {
     }
 }
 
+/// The ball tree takes twice as long as the rest; adb serves the pair meanwhile.
+TEST(SlicedShapes, ByScfTheBallTreeIsBuiltInSlicesToo) {
+    const MeshShape ball(scenes::sphere(0.5F, 6), Kind::mesh, 0.02_s);
+    const MeshShape floor(scenes::grid(2, 2, 70, 71), Kind::bvh, 0.02_s);
+    Settings settings = budgeted();
+    settings.method = Method::scf;
+    BudgetWorld world(settings);
+    btRigidBody& body = world.add(*ball, at({0.3_s, 0.6_s, 0.2_s}), 1);
+    body.setActivationState(DISABLE_DEACTIVATION);
+    ASSERT_EQ(prebuild(ball.get(), Method::scf), Status::ok);
+    world.step(2);
+    world.add(*floor, at({0, 0, 0}));
+    world.step();
+    ASSERT_EQ(world.stats().degraded, 1) << "a stand-in";
+    EXPECT_EQ(world.stats().leftToAdb, 1);
+    EXPECT_EQ(world.stats().tracked, 0);
+    const std::size_t triangles = floor.mesh.triangles.size();
+    const int frames = stepsUntilBuilt(world, static_cast<int>(80 * triangles / (budget / 4)));
+    EXPECT_GT(frames, static_cast<int>(20 * triangles / budget)) << "it was not built at once";
+    EXPECT_LT(frames, static_cast<int>(80 * triangles / (budget / 4)));
+    EXPECT_EQ(world.stats().leftToAdb, 0);
+    EXPECT_EQ(world.stats().tracked, 1);
+    EXPECT_GT(body.getWorldTransform().getOrigin().y(), 0.45);
+}
+
 TEST(SlicedShapes, AMovingMeshRestsOnItsSample) {
     const MeshShape floor(scenes::grid(3, 3, 8, 8), Kind::bvh, 0.02_s);
     const MeshShape ball(scenes::bumpySphere(0.5F, 0.05F, 3, 61), Kind::mesh, 0.02_s);

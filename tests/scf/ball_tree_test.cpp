@@ -2,15 +2,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
-#include <grapeshot/scf/ball_tree.hpp>
+#include <grapeshot/scf/ball_tree_builder.hpp>
 #include <grapeshot/scf/detail/posed_tree.hpp>
+#include <grapeshot/scf/detail/sliced_selection.hpp>
 #include <grapeshot/scf/stretch.hpp>
 
 #include <adb/meshes.hpp>
 #include <support/fault_of.hpp>
 #include <support/poses.hpp>
+#include <support/same_bytes.hpp>
+#include <support/slices.hpp>
 
 namespace grapeshot::test {
 namespace {
@@ -28,6 +33,49 @@ TEST(BallTree, IsSound) {
     for (const NamedMesh& mesh : meshes()) {
         SCOPED_TRACE(mesh.name);
         EXPECT_THAT(findings(buildBallTree(mesh.mesh.view())), testing::IsEmpty());
+    }
+}
+
+TEST(BallTree, InSlicesItIsTheSameAndEachSliceIsKept) {
+    for (const NamedMesh& mesh : meshes()) {
+        SCOPED_TRACE(mesh.name);
+        const BallTree whole = buildBallTree(mesh.mesh.view());
+        for (const std::uint64_t slice : {mostSlicedPiece, std::uint64_t{1000}}) {
+            BallTree tree;
+            const std::uint64_t work = inSlices(buildBallTreeInSlices(mesh.mesh.view(), tree), slice);
+            EXPECT_LE(work, 60 * mesh.mesh.triangles.size() + 1000);
+            EXPECT_GE(work, 10 * mesh.mesh.triangles.size());
+            EXPECT_EQ(tree.surface.ring.all, whole.surface.ring.all);
+            EXPECT_EQ(tree.surface.topology, whole.surface.topology);
+            EXPECT_TRUE(sameBytes(tree.nodes, whole.nodes));
+            EXPECT_TRUE(sameBytes(tree.restBalls, whole.restBalls));
+            EXPECT_TRUE(sameBytes(tree.plainBalls, whole.plainBalls));
+            EXPECT_TRUE(sameBytes(tree.leaves, whole.leaves));
+            EXPECT_EQ(tree.leafOfTriangle, whole.leafOfTriangle);
+            EXPECT_EQ(tree.leafVertices.all, whole.leafVertices.all);
+            EXPECT_EQ(tree.extent, whole.extent);
+        }
+    }
+}
+
+TEST(SelectSliced, IsWhatNthElementIs) {
+    Random random(5);
+    for (int round = 0; round < 60; ++round) {
+        std::vector<std::uint32_t> items(1 + random.bits() % 3000);
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            items[i] = static_cast<std::uint32_t>(round % 3 == 0   ? i
+                                                  : round % 3 == 1 ? items.size() - i
+                                                                   : 7919 * i % 3001);
+        }
+        const std::size_t middle = random.bits() % items.size();
+        std::vector<std::uint32_t> sorted = items;
+        std::ranges::sort(sorted);
+        inSlices(detail::selectSliced(items, 0, middle, items.size(), std::less<>{}), 8);
+        EXPECT_EQ(items[middle], sorted[middle]);
+        EXPECT_TRUE(std::all_of(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle),
+                                [&](std::uint32_t one) { return one < sorted[middle]; }));
+        std::ranges::sort(items);
+        EXPECT_EQ(items, sorted);
     }
 }
 
