@@ -11,6 +11,7 @@
 #include <grapeshot/plugin/settings.hpp>
 #include <grapeshot/plugin/shadow.hpp>
 #include <grapeshot/plugin/shape_cache.hpp>
+#include <grapeshot/plugin/soft_body_solver.hpp>
 #include <grapeshot/plugin/soft_contacts.hpp>
 #include <grapeshot/plugin/state.hpp>
 #include <grapeshot/plugin/statistics.hpp>

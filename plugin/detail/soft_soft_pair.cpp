@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <grapeshot/plugin/detail/bring_back.hpp>
@@ -16,6 +17,12 @@ namespace detail {
 namespace {
 
 using Positions = std::vector<Eigen::Vector3f>;
+
+/// At rest, of the distance. Two edges whose ends are at least 1 away from each other's surfaces are .6 apart or more
+/// then; of what is stretched much that edges do not cross must do.
+constexpr float longestFineEdge = 1.6F;
+/// Between edges, of the distance: see SurfaceContacts.
+constexpr float edgeReach = 0.75F;
 
 Eigen::Vector3f meanWay(const Positions& from, const Positions& to) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -64,6 +71,7 @@ bool SoftSoftPair::findSurfaces(btSoftBody& a, btSoftBody& b, const SoftSoftTask
             return std::shared_ptr<const BallTree>(side.surface, &side.surface->tree);
         };
         m_near = std::make_unique<NearPairs>(treeOf(m_a), treeOf(m_b));
+        m_facing.reset();
     }
     if (m_itself && m_nearDistance != task.distance) {
         m_nearDistance = task.distance;
@@ -119,6 +127,26 @@ SurfaceInStep SoftSoftPair::inStep(const Side& side) const {
     return step;
 }
 
+Faced SoftSoftPair::findFaced(float distance, NearResult& result) {
+    const BallTree& a = m_a.surface->tree;
+    const BallTree& b = m_itself ? a : m_b.surface->tree;
+    if (m_facing == nullptr) {
+        m_facing = std::make_unique<FacingQuery>(a, b);
+    }
+    const auto wayOf = [](const Side& side) {
+        return SurfaceWay{side.last, side.before, side.after, measureStretch(side.surface->tree.surface, side.before)};
+    };
+    const SurfaceWay first = wayOf(m_a);
+    const bool edges = std::max(a.surface.longestEdge, b.surface.longestEdge) > longestFineEdge * distance;
+    m_facing->find(first, m_itself ? first : wayOf(m_b), distance, edges ? edgeReach * distance : 0,
+                   m_itself ? &m_nearVertices : nullptr, m_faced);
+    m_pairs.swap(m_faced.meeting);
+    result.work = m_faced.work;
+    result.certain = !m_faced.fault;
+    result.stop = m_faced.fault ? StopReason::invalidInput : StopReason::certain;
+    return {m_faced.ofA, m_faced.ofB, edges};
+}
+
 SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task) {
     SoftPairResult result;
     m_contacts.clear();
@@ -140,7 +168,13 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     settings.seed = m_context.settings.seed;
     settings.pair = task.key;
     settings.budget = task.budget;
-    result.near = m_near->find(first, second, settings, m_pairs);
+    std::optional<Faced> faced;
+    const bool isSampled = task.budget.work != unlimited || task.budget.time != never;
+    if (!isSampled && task.exclusion == 0 && !first.thread && !second.thread) {
+        faced = findFaced(task.distance, result.near);
+    } else {
+        result.near = m_near->find(first, second, settings, m_pairs);
+    }
     if (result.near.stop == StopReason::invalidInput) {
         result.refusal = "a position is no number";
         forget();
@@ -148,7 +182,7 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     }
     result.pairs = m_pairs.size();
     m_sides.find(first, second, m_pairs, static_cast<double>(task.distance), m_itself ? &m_nearVertices : nullptr,
-                 m_contacts);
+                 m_contacts, faced ? &*faced : nullptr);
     for (const SoftSurfaceContact& contact : m_contacts) {
         result.crossings += contact.crossing ? 1 : 0;
         result.deepest = std::max(result.deepest, task.distance - contact.before);

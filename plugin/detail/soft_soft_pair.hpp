@@ -40,6 +40,8 @@ class SoftSoftPair {
     bool findSurfaces(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task, std::string& refusal);
     bool readPositions(btSoftBody& a, btSoftBody& b);
     SurfaceInStep inStep(const Side& side) const;
+    /// Everything, by what neighbourhoods move against each other.
+    Faced findFaced(float distance, NearResult& result);
     int write(btSoftBody& a, btSoftBody& b, float distance);
 
     Context& m_context;
@@ -53,6 +55,8 @@ class SoftSoftPair {
     Eigen::Vector3f m_drift = Eigen::Vector3f::Zero();  // mean motion, taken out of `after` and `last`
     float m_usualWay = 0;
     std::vector<TrianglePair> m_pairs;
+    std::unique_ptr<FacingQuery> m_facing;
+    FacingResult m_faced;
     std::vector<SoftSurfaceContact> m_contacts;
 };
 

@@ -93,12 +93,16 @@ bool SurfaceContacts::Pass::isNear(std::uint32_t vertex, const Triangle& others)
 }
 
 void SurfaceContacts::find(const SurfaceInStep& a, const SurfaceInStep& b, std::span<const TrianglePair> pairs,
-                           double distance, const IndexLists* near, std::vector<SoftSurfaceContact>& contacts) {
-    Pass pass(*this, a, b, distance, near);
+                           double distance, const IndexLists* near, std::vector<SoftSurfaceContact>& contacts,
+                           const Faced* faced) {
+    Pass pass(*this, a, b, distance, near, faced);
     std::vector<TrianglePair> left;
-    pass.sift(pairs, left);
-    pass.lookBack(left);
-    pass.lookAhead(left, contacts);
+    if (faced == nullptr) {
+        pass.sift(pairs, left);
+        pairs = left;
+    }
+    pass.lookBack(pairs);
+    pass.lookAhead(pairs, contacts);
 }
 
 void SurfaceContacts::clear() {

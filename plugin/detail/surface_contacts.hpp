@@ -21,7 +21,7 @@
 #include <grapeshot/core/mesh_view.hpp>
 #include <grapeshot/core/triangle_pair.hpp>
 #include <grapeshot/plugin/detail/feature_owners.hpp>
-#include <grapeshot/scf/surface.hpp>
+#include <grapeshot/scf/facing.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -53,14 +53,21 @@ struct SoftSurfaceContact {
     TrianglePair pair;
 };
 
+/// What corners of both face at the end of the step.
+struct Faced {
+    std::span<const FacingPlace> ofA, ofB;
+    bool edges = true;  ///< false: corners alone keep the distance, as they can if no edge is much longer
+};
+
 /// A value; kept from step to step for one pair of bodies, or one body with itself.
 class SurfaceContacts {
   public:
     /// Appends what would be nearer than `distance` at the end of the step. @param pairs may repeat themselves; what is
     /// not among them is not found. @param near of a body with itself (`a` and `b` the same): the vertices that each
-    /// vertex is too near to on the surface to collide with; else null.
+    /// vertex is too near to on the surface to collide with; else null. @param faced null: what corners face is among
+    /// the pairs, too
     void find(const SurfaceInStep& a, const SurfaceInStep& b, std::span<const TrianglePair> pairs, double distance,
-              const IndexLists* near, std::vector<SoftSurfaceContact>& contacts);
+              const IndexLists* near, std::vector<SoftSurfaceContact>& contacts, const Faced* faced = nullptr);
     void clear();
     /// Corners and pairs of edges that are on the wrong side.
     [[nodiscard]] std::size_t misplaced() const;

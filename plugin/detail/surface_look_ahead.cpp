@@ -1,8 +1,11 @@
 #include <grapeshot/plugin/detail/surface_pass.hpp>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
+#include <utility>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -30,11 +33,14 @@ void SurfaceContacts::Pass::testCorner(int body, std::uint32_t corner, std::uint
     const SurfaceInStep& other = *m_bodies[1 - body];
     const Moving point = {at(mine.before, corner), at(mine.after, corner)};
     const auto triangle = moving(other, face, other.before, other.after);
-    if (!meet(point, triangle, m_distance)) {
+    if (!meet(point, triangle, m_faced != nullptr ? 0 : m_distance)) {
         return;
     }
     if (const auto crossing = crossingOf(point, triangle)) {
         m_corners.push_back({body, corner, face, own, true, crossing->time, crossing->weights, crossing->normal, 1});
+        return;
+    }
+    if (m_faced != nullptr) {
         return;
     }
     const std::array<Vector3d, 3> end{triangle[0].to, triangle[1].to, triangle[2].to};
@@ -50,11 +56,14 @@ void SurfaceContacts::Pass::testCorner(int body, std::uint32_t corner, std::uint
 
 void SurfaceContacts::Pass::testEdges(const TrianglePair& pair, const EdgePair& ends) {
     const auto [first, second] = movingEdges(ends, &SurfaceInStep::before, &SurfaceInStep::after);
-    if (!meet(first, second, m_distance)) {
+    if (!meet(first, second, nearEdges() ? m_distance : 0)) {
         return;
     }
     if (const auto crossing = crossingOf(first, second)) {
         m_edges.push_back({ends, pair, true, crossing->time, crossing->first, crossing->second, crossing->normal});
+        return;
+    }
+    if (!nearEdges()) {
         return;
     }
     const auto inside = nearestInside({first[0].to, first[1].to}, {second[0].to, second[1].to});
@@ -86,6 +95,67 @@ void SurfaceContacts::Pass::lookAhead(std::span<const TrianglePair> pairs, std::
     bringBack();
     chooseCorners(contacts);
     chooseEdges(contacts);
+    if (m_faced != nullptr) {
+        takeFaced(contacts);
+    }
+}
+
+double SurfaceContacts::Pass::facingOf(const SurfaceInStep& body, std::uint32_t face, const Vector3d& weights,
+                                       const Vector3d& to) const {
+    double best = to.dot(normalOf(body, face, body.after));
+    const Triangle& corners = body.triangles[face];
+    for (std::size_t i = 0; i < 3 && std::abs(best) < 0.5; ++i) {
+        if (weights[static_cast<int>(i)] > 0.999 || weights.minCoeff() < 1e-9) {
+            for (const std::uint32_t other : body.surface->fan.of(corners[i])) {
+                const bool holdsFoot = std::ranges::all_of(std::array{0, 1, 2}, [&](int k) {
+                    return weights[k] < 1e-9 ||
+                           std::ranges::find(body.triangles[other], corners[static_cast<std::size_t>(k)]) !=
+                               body.triangles[other].end();
+                });
+                const double facing = holdsFoot ? to.dot(normalOf(body, other, body.after)) : 0;
+                best = std::abs(facing) > std::abs(best) ? facing : best;
+            }
+        }
+    }
+    return best;
+}
+
+void SurfaceContacts::Pass::takeFaced(std::vector<SoftSurfaceContact>& contacts) const {
+    for (int body = 0; body < 2; ++body) {
+        const SurfaceInStep& mine = *m_bodies[body];
+        const SurfaceInStep& other = *m_bodies[1 - body];
+        const auto& misplaced = anchors(body);
+        for (const FacingPlace& place : body == 0 ? m_faced->ofA : m_faced->ofB) {
+            if (misplaced.contains(place.vertex) ||
+                std::ranges::binary_search(m_passing, std::pair(body, place.vertex))) {
+                continue;
+            }
+            const Triangle& face = other.triangles[place.triangle];
+            const std::array<Vector3d, 3> end{at(other.after, face[0]), at(other.after, face[1]),
+                                              at(other.after, face[2])};
+            const Vector3d point = at(mine.after, place.vertex);
+            CornerHit hit{body,
+                          place.vertex,
+                          place.triangle,
+                          mine.surface->fan.of(place.vertex).front(),
+                          false,
+                          0,
+                          nearestOn(point, end),
+                          {},
+                          1};
+            const Vector3d between =
+                point - hit.weights[0] * end[0] - hit.weights[1] * end[1] - hit.weights[2] * end[2];
+            const double distance = between.norm();
+            if (!(distance > 1e-12)) {
+                continue;
+            }
+            hit.normal = between / distance;
+            if (other.solid && facingOf(other, place.triangle, hit.weights, hit.normal) < 0) {
+                hit.normal = -hit.normal;
+            }
+            emit(hit, contacts);
+        }
+    }
 }
 
 }  // namespace detail

@@ -22,8 +22,8 @@ namespace detail {
 class SurfaceContacts::Pass {
   public:
     Pass(SurfaceContacts& memory, const SurfaceInStep& a, const SurfaceInStep& b, double distance,
-         const IndexLists* near)
-        : m_memory(memory), m_bodies{&a, &b}, m_distance(distance), m_near(near) {}
+         const IndexLists* near, const Faced* faced)
+        : m_memory(memory), m_bodies{&a, &b}, m_distance(distance), m_near(near), m_faced(faced) {}
 
     /// Leaves the pairs whose ways in this step and the last come near each other.
     void sift(std::span<const TrianglePair> pairs, std::vector<TrianglePair>& left) const;
@@ -157,7 +157,14 @@ class SurfaceContacts::Pass {
     /// Contacts of what is on the wrong side, however far.
     void bringBack();
     void testCorner(int body, std::uint32_t corner, std::uint32_t own, std::uint32_t face);
+    [[nodiscard]] bool nearEdges() const { return m_faced == nullptr || m_faced->edges; }
     void testEdges(const TrianglePair& pair, const EdgePair& ends);
+
+    /// Contacts of corners with what they face.
+    void takeFaced(std::vector<SoftSurfaceContact>& contacts) const;
+    /// Cosine of the direction and the normal of that face at a foot of it which is seen straightest: the sign is the
+    /// side.
+    double facingOf(const SurfaceInStep& body, std::uint32_t face, const Vector3d& weights, const Vector3d& to) const;
 
     // Choosing.
     void chooseCorners(std::vector<SoftSurfaceContact>& contacts);
@@ -174,6 +181,7 @@ class SurfaceContacts::Pass {
     std::array<const SurfaceInStep*, 2> m_bodies;
     double m_distance;
     const IndexLists* m_near;
+    const Faced* m_faced;
     std::vector<CornerHit> m_corners;
     std::vector<EdgeHit> m_edges;
     std::vector<std::pair<int, std::uint32_t>> m_passing;

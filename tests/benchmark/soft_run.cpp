@@ -6,7 +6,9 @@
 namespace grapeshot::bench {
 
 std::vector<SoftMethod> softMethods() {
-    return {{.name = "grapeshot"}, {.name = bulletsOwn, .engine = scenes::Engine::none}};
+    return {{.name = "grapeshot"},
+            {.name = bulletsOwn, .engine = scenes::Engine::none},
+            {.name = "grapeshotBulletSolver", .ownSolver = false}};
 }
 
 std::vector<SoftOutcome> runSoft(const SoftCourse& course, const std::vector<SoftMethod>& methods,

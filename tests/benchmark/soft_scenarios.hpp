@@ -20,5 +20,7 @@ void runClothOnTorus(double ring, const Options& options, report::Report& result
 /// Cloth whose one half lies above the other falls on the ground. @param triangles 512: folded sharply, as it is hard
 /// for the solver; more: round
 void runFold(int triangles, const Options& options, report::Report& results);
+/// The scenes of Bullet's own demos, both soft worlds: does anything break, and who is inside of what?
+void runSoftDemos(const Options& options, report::Report& results);
 
 }  // namespace grapeshot::bench

@@ -47,6 +47,7 @@ constexpr std::array softScenarios{
     SoftScenario{"fold", true, fold<512>},
     SoftScenario{"fold_10k", false, fold<10'000>},
     SoftScenario{"fold_70k", false, fold<70'000>},
+    SoftScenario{"demos", false, runSoftDemos},
 };
 
 }  // namespace

@@ -20,7 +20,8 @@ struct SoftMethod {
     std::string name;
     scenes::Engine engine = scenes::Engine::grapeshot;  ///< none: Bullet's own handlers
     Settings settings = {};
-    int clusters = 0;  ///< of a body that is to collide with itself, by Bullet; 0: it is not asked to
+    bool ownSolver = true;  ///< grapeshot::SoftBodySolver; else Bullet's
+    int clusters = 0;       ///< of a body that is to collide with itself, by Bullet; 0: it is not asked to
 };
 
 /// Processor time of one step, us.
@@ -63,13 +64,12 @@ class SoftWorld {
 
   private:
     /// The handler of bodies against themselves runs between these two and cannot be overridden.
-    class TimedSolver : public btDefaultSoftBodySolver {
-      public:
-        void solveConstraints(btScalar seconds) override;
-        void updateSoftBodies() override;
+    struct SolverTimes {
         double solvedUs = 0;
         double selfUs = 0;
     };
+    template <class Solver>
+    class Timed;
     struct Soft {
         scenes::Mesh mesh;
         std::unique_ptr<btSoftBody> body;
@@ -87,7 +87,8 @@ class SoftWorld {
     scenes::TimedDispatcher m_dispatcher{&m_configuration};
     btDbvtBroadphase m_broadphase;
     btSequentialImpulseConstraintSolver m_rigidSolver;
-    TimedSolver m_solver;
+    SolverTimes m_times;
+    std::unique_ptr<btSoftBodySolver> m_solver;
     std::unique_ptr<btSoftRigidDynamicsWorld> m_world;
     std::vector<Rigid> m_rigids;
     std::vector<Soft> m_softs;
