@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <grapeshot/core/error.hpp>
+#include <grapeshot/plugin/detail/closest_convex.hpp>
 #include <grapeshot/plugin/detail/context.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/leaf_shapes.hpp>
@@ -96,6 +97,24 @@ void search(const detail::SoftSurface& soft, const SurfaceState& state, const Ba
     }
 }
 
+void searchConvex(const detail::SoftSurface& soft, std::span<const Eigen::Vector3f> positions,
+                  const btConvexShape& convex, const btTransform& pose, float maxDistance, ClosestFeatures& best) {
+    const float limit = best.found ? std::min(maxDistance, best.distance) : maxDistance;
+    const detail::ClosestToConvex closest = detail::closestToConvex(positions, soft.triangles(), convex, pose, limit);
+    if (!closest.found || (best.found && closest.distance >= best.distance)) {
+        return;
+    }
+    best.found = true;
+    best.distance = closest.distance;
+    const Triangle& t = soft.triangles()[closest.triangle];
+    for (std::size_t i = 0; i < 3; ++i) {
+        best.nodes[i] = t[i] < soft.nodes ? static_cast<int>(t[i]) : -1;
+    }
+    best.triangle = -1;
+    best.onSoft = closest.onSurface;
+    best.onOther = closest.onConvex;
+}
+
 bool currentPositions(const btSoftBody& body, const detail::SoftSurface& surface, const btTransform& frame,
                       std::vector<Eigen::Vector3f>& positions) {
     return detail::positionsOf(body, surface, detail::NodePart::after, frame, positions);
@@ -133,6 +152,16 @@ ClosestFeatures closestFeatures(const btSoftBody& soft, const btCollisionObject&
         std::vector<detail::PlacedShape> leaves;
         detail::appendLeaves(*other.getCollisionShape(), btTransform::getIdentity(), leaves);
         for (const detail::PlacedShape& leaf : leaves) {
+            if (leaf.shape->isConvex()) {
+                if (!currentPositions(soft, *surface, btTransform::getIdentity(), positions)) {
+                    best.status = Status::unusableMesh;
+                    return best;
+                }
+                best.status = Status::ok;
+                searchConvex(*surface, positions, static_cast<const btConvexShape&>(*leaf.shape),
+                             other.getWorldTransform() * leaf.inBody, maxDistance, best);
+                continue;
+            }
             if (!detail::isMesh(*leaf.shape)) {
                 continue;
             }

@@ -58,14 +58,14 @@ struct ClosestFeatures {
     bool found = false;                    ///< something is within the distance
     float distance = 0;                    ///< m, margins not included; 0: they intersect
     std::array<int, 3> nodes{-1, -1, -1};  ///< the soft body's triangle
-    int triangle = -1;                     ///< the other's: of its mesh, or of its soft surface
+    int triangle = -1;                     ///< the other's: of its mesh, or of its soft surface; of a convex shape -1
     Eigen::Vector3f onSoft = Eigen::Vector3f::Zero();
     Eigen::Vector3f onOther = Eigen::Vector3f::Zero();
 };
 
-/// As the bodies stand now. @param other a soft body, or a body with a mesh (also as a child of compounds);
-/// unsupportedShape else. @param maxDistance m, > 0. Builds what the bodies need (some 5 us a triangle), each time: for
-/// tools and tests rather than for every frame.
+/// As the bodies stand now. @param other a soft body, or a body with meshes or convex shapes (also as children of
+/// compounds), the margins of the latter being part of them; unsupportedShape else. @param maxDistance m, > 0. Builds
+/// what the bodies need (some 5 us a triangle), each time: for tools and tests rather than for every frame.
 [[nodiscard]] ClosestFeatures closestFeatures(const btSoftBody& soft, const btCollisionObject& other,
                                               float maxDistance) noexcept;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 #include "soft_fixture.hpp"
 #include "support/test_size.hpp"
@@ -203,10 +204,38 @@ TEST(SoftSoft, RefusesBadArguments) {
     EXPECT_EQ(addSelfCollision(&other, &body), Status::notRegistered);
     EXPECT_EQ(closestFeatures(body, body, 1).status, Status::badArgument);
     EXPECT_EQ(closestFeatures(body, body, -1).status, Status::badArgument);
-    btBoxShape box({1, 1, 1});
+    btStaticPlaneShape plane({0, 1, 0}, 0);
     btCollisionObject object;
-    object.setCollisionShape(&box);
+    object.setCollisionShape(&plane);
     EXPECT_EQ(closestFeatures(body, object, 1).status, Status::unsupportedShape);
+}
+
+TEST(ClosestFeatures, AlsoOfConvexShapes) {
+    SoftTestWorld world;
+    btSoftBody& body = world.add(cloth(world.world.getWorldInfo(), {0, 0, 0}, 1, 9, 0, 1), 0.02_s);
+    btBoxShape box({0.3_s, 0.2_s, 0.3_s});
+    btSphereShape ball(0.25_s);
+    btCompoundShape both;
+    both.addChildShape(at({0.1_s, 0.7_s, 0}), &box);
+    both.addChildShape(at({-0.6_s, 0.4_s, 0.1_s}), &ball);
+    btCollisionObject object;
+    for (const auto& [shape, height, distance] : {std::tuple<btCollisionShape*, btScalar, float>{&box, 0.5_s, 0.3F},
+                                                  {&ball, 0.4_s, 0.15F},
+                                                  {&both, 0, 0.15F}}) {
+        object.setCollisionShape(shape);
+        object.setWorldTransform(at({0, height, 0}));
+        const ClosestFeatures closest = closestFeatures(body, object, 1);
+        EXPECT_EQ(closest.status, Status::ok);
+        ASSERT_TRUE(closest.found);
+        EXPECT_NEAR(closest.distance, distance, 1e-3);
+        EXPECT_NEAR(closest.onSoft.y(), 0, 1e-3);
+        EXPECT_NEAR((closest.onSoft - closest.onOther).norm(), distance, 1e-3);
+        EXPECT_GE(closest.nodes[0], 0);
+        EXPECT_FALSE(closestFeatures(body, object, distance / 2).found);
+    }
+    object.setCollisionShape(&ball);
+    object.setWorldTransform(at({0.1_s, 0.1_s, 0}));
+    EXPECT_EQ(closestFeatures(body, object, 1).distance, 0);
 }
 
 }  // namespace
