@@ -61,7 +61,9 @@ void runBalls(int triangles, const Options& options, report::Report& results) {
     for (const double margin : sceneMargins) {
         const SoftCourse course{.scenario = "balls " + atMargin(margin),
                                 .mesh = "ball",
-                                .steps = options.quick ? 20 : 60,
+                                .steps = options.quick                   ? 20
+                                         : triangles < softGateTriangles ? 60
+                                                                         : gateSteps,
                                 .limitSeconds = 30};
         const std::vector<SoftOutcome> outcomes = runSoft(
             course, softMethods(), [&](const SoftMethod& method) { return makeBalls(method, triangles, margin); });

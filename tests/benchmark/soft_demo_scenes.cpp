@@ -613,6 +613,8 @@ void tetrahedra(World& world, double height, double half) {
     body->m_cfg.kDF = number(0.5);
     body->m_cfg.collisions = Flags::SDF_RD | Flags::SDF_RDF;
     body->initializeDmInverse();
+    body->m_tetraScratches.resizeNoInitialize(body->m_tetras.size());
+    body->m_tetraScratchesTn.resizeNoInitialize(body->m_tetras.size());
     world.addDeformable(body, 0, 0);
     world.addForce(*body, std::make_unique<btDeformableNeoHookeanForce>(number(8), number(3), number(0.02)));
 }

@@ -92,6 +92,8 @@ void addSoftRows(const SoftCourse& course, const std::vector<SoftOutcome>& outco
                 row.peer = bulletsOwn;
                 row.ratio = softRatio(*peer, outcome, part.time);
             }
+            std::cerr << row.scenario << ", " << row.method << ": " << row.timeUs.mean / 1e3 << " ms, ratio "
+                      << row.ratio << '\n';
             results.rows.push_back(std::move(row));
         }
     }

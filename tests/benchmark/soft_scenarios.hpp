@@ -10,6 +10,8 @@ namespace grapeshot::bench {
 /// Two soft bodies of so many triangles each: the whole step must be so many times as fast as by Bullet's own handlers.
 inline constexpr int softGateTriangles = 70'000;
 inline constexpr double softGateRatio = 10;
+/// Few, because Bullet's own takes seconds for each.
+inline constexpr int gateSteps = 5;
 
 /// A sheet of so many triangles falls on one that is held at its border.
 void runSheets(int triangles, const Options& options, report::Report& results);

@@ -55,7 +55,9 @@ void runSheets(int triangles, const Options& options, report::Report& results) {
     for (const double margin : sceneMargins) {
         const SoftCourse course{.scenario = "sheets " + atMargin(margin),
                                 .mesh = "sheet",
-                                .steps = options.quick ? 30 : 60,
+                                .steps = options.quick                   ? 30
+                                         : triangles < softGateTriangles ? 60
+                                                                         : gateSteps,
                                 .limitSeconds = 30};
         const std::vector<SoftOutcome> outcomes = runSoft(
             course, softMethods(), [&](const SoftMethod& method) { return makeSheets(method, triangles, margin); });
