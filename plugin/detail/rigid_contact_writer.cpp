@@ -10,25 +10,24 @@ namespace detail {
 
 namespace {
 
-/// Depth of the contact's plane, m. Bullet takes away the relative motion and adds c4 times the depth by then; from so
-/// far the sum is where the node is to be, however often that is done and wherever links have pulled the node.
+/// Depth of the contact's plane, m. Bullet takes away what is left of the relative motion and adds c4 times the depth by
+/// then; from so far the sum is where the node is to be, however often that is done and wherever links have pulled it.
 constexpr btScalar bottomless = 1e6;
 
 }  // namespace
 
-bool writeRigidContact(const RigidContactSite& site, const NodeMove& move) {
+bool writeRigidContact(const RigidContactSite& site, const NodeStop& stop) {
     btSoftBody& soft = site.soft;
-    btSoftBody::Node& node = soft.m_nodes[static_cast<int>(move.node)];
+    btSoftBody::Node& node = soft.m_nodes[static_cast<int>(stop.node)];
     auto* body = const_cast<btRigidBody*>(btRigidBody::upcast(&site.rigid));
     const btScalar rigidInverse = body != nullptr ? body->getInvMass() : btScalar(0);
     if (node.m_battach || !(node.m_im + rigidInverse > 0)) {
         return false;
     }
-    const auto length = btScalar(move.move.norm());
-    const btVector3 normal = site.frame.getBasis() * toBullet((move.move / move.move.norm()).cast<float>());
+    const btVector3 normal = site.frame.getBasis() * toBullet(stop.normal.cast<float>());
     static const btMatrix3x3 none(0, 0, 0, 0, 0, 0, 0, 0, 0);
     const btScalar step = soft.m_sst.sdt;
-    const btVector3 arm = node.m_x - site.origin;
+    const btVector3 arm = site.frame * toBullet(stop.place.cast<float>()) - site.origin;
     const btVector3 way = body != nullptr ? body->getVelocityInLocalPoint(arm) * step : btVector3(0, 0, 0);
     const btVector3 relative = node.m_x - node.m_q - way;
     const btScalar along = btDot(relative, normal);
@@ -45,7 +44,7 @@ bool writeRigidContact(const RigidContactSite& site, const NodeMove& move) {
     contact.m_c1 = arm;
     contact.m_c2 = node.m_im * step;
     contact.m_c3 = across.length2() < along * friction * along * friction ? btScalar(0) : 1 - friction;
-    contact.m_c4 = (along + length) / bottomless;
+    contact.m_c4 = -btScalar(stop.approach) / bottomless;
     contact.t1 = contact.t2 = btVector3(0, 0, 0);  // of multi-bodies: made by the solver
     soft.m_rcontacts.push_back(contact);
     if (body != nullptr) {

@@ -3,14 +3,15 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/plugin/detail/bring_back.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/deformable_contact_writer.hpp>
-#include <grapeshot/plugin/detail/rigid_contact_writer.hpp>
 #include <grapeshot/plugin/detail/shape_kind.hpp>
+#include <grapeshot/plugin/detail/share_of_way.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -31,6 +32,33 @@ btTransform endOf(const btCollisionObject& object, btScalar timeStep) {
                                             end);
     }
     return end;
+}
+
+}  // namespace
+
+namespace {
+
+/// How far links may draw each node in this step, m: the strain that it would have, or one whose pull comes to it.
+std::vector<float> pullsOf(const btSoftBody& soft, std::size_t vertices) {
+    std::vector<float> pulls(vertices, 0.0F);
+    const auto pullOf = [&](const btSoftBody::Node* node) -> float& {
+        return pulls[static_cast<std::size_t>(node - &soft.m_nodes[0])];
+    };
+    for (int i = 0; i < soft.m_links.size(); ++i) {
+        const btSoftBody::Link& link = soft.m_links[i];
+        const btScalar length = (link.m_n[1]->m_x - link.m_n[0]->m_x).length();
+        for (const btSoftBody::Node* node : link.m_n) {
+            pullOf(node) = std::max(pullOf(node), static_cast<float>(btFabs(length - link.m_rl)));
+        }
+    }
+    for (int pass = 0; pass < soft.m_cfg.piterations; ++pass) {
+        for (int i = 0; i < soft.m_links.size(); ++i) {
+            const btSoftBody::Link& link = soft.m_links[i];
+            const float most = std::max(pullOf(link.m_n[0]), pullOf(link.m_n[1]));
+            pullOf(link.m_n[0]) = pullOf(link.m_n[1]) = most;
+        }
+    }
+    return pulls;
 }
 
 }  // namespace
@@ -101,6 +129,23 @@ void SoftRigidPair::forgetIfMoved() {
     m_usualWay = way;
 }
 
+void SoftRigidPair::holdNodes(const btSoftBody& soft, const btTransform& from, const btTransform& to, float distance) {
+    const btTransform stillInEnd = to.inverseTimes(from);
+    std::vector<float> pulls;
+    for (std::size_t i = 0; i < m_held.size(); ++i) {
+        const Eigen::Vector3f still = toEigen(stillInEnd * toBullet(m_before[i]));
+        const Eigen::Vector3f body = m_before[i] - still;  // its way there
+        const float way = body.norm();
+        if (way > distance) {
+            if (pulls.empty()) {
+                pulls = pullsOf(soft, m_held.size());
+            }
+            const float outOfTheWay = std::clamp((m_after[i] - still).dot(body) / way, 0.0F, way);
+            m_held[i] -= std::min(pulls[i], outOfTheWay) / way * body;
+        }
+    }
+}
+
 SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectWrapper& rigid, btScalar timeStep,
                                       std::uint64_t look, std::uint64_t key, const Budget& budget) {
     SoftPairResult result;
@@ -129,14 +174,19 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
     m_frame = frame.getBasis();
     const Eigen::Vector3f* rest = m_rigid->tree.surface.rest.data();
     const std::span<const Eigen::Vector3f> still(rest, m_rigid->tree.surface.rest.size());
-    SurfaceInStep a{m_last, m_before, m_after, m_soft->triangles(), &m_soft->owners, &m_soft->tree.surface};
+    const auto distance = static_cast<float>(soft.getCollisionShape()->getMargin() + marginOf(*m_shape));
+    m_held = m_after;
+    if (world == SoftWorld::positions) {
+        holdNodes(soft, rigid.getWorldTransform(), frame, distance);
+    }
+    SurfaceInStep a{m_last, m_before, m_held, m_soft->triangles(), &m_soft->owners, &m_soft->tree.surface};
     a.solid = m_soft->solid;
     a.thread = m_soft->thread;
     SurfaceInStep b{still, still, still, m_rigid->tree.surface.triangles, &m_rigid->owners, &m_rigid->tree.surface};
     b.rigid = true;
     b.solid = m_rigid->solid;
     NearSettings settings;
-    settings.distance = static_cast<float>(soft.getCollisionShape()->getMargin() + marginOf(*m_shape));
+    settings.distance = distance;
     settings.spacing = 0.5F * m_soft->meanEdge;
     settings.seed = m_context.settings.seed;
     settings.pair = key;
@@ -147,14 +197,25 @@ SoftPairResult SoftRigidPair::process(btSoftBody& soft, const btCollisionObjectW
         forget();
         return result;
     }
-    result.pairs = m_pairs.size();
     m_sides.find(a, b, m_pairs, static_cast<double>(settings.distance), nullptr, m_contacts);
-    result.contacts = write(soft, rigid, frame, end.getOrigin(), settings.distance, world);
+    result.pairs = m_pairs.size();
+    const RigidWay way{rigid.getWorldTransform(), frame, distance};
+    const btScalar share = shareOfWay(way, b, m_contacts);
+    for (SoftSurfaceContact& contact : m_contacts) {
+        for (int i = 0; i < 3; ++i) {
+            const std::uint32_t v = contact.a[static_cast<std::size_t>(i)];
+            contact.after += contact.weightsA[i] * (m_after[v] - m_held[v]).dot(contact.normal);
+        }
+    }
+    result.contacts = write(soft, rigid, frame, end.getOrigin(), distance, world);
     for (const SoftSurfaceContact& contact : m_contacts) {
         result.crossings += contact.crossing ? 1 : 0;
-        result.deepest = std::max(result.deepest, settings.distance - contact.before);
+        result.deepest = std::max(result.deepest, distance - contact.before);
     }
     m_last.swap(m_before);
+    if (world == SoftWorld::positions && result.contacts > 0) {
+        slowDown(object, share);
+    }
     return result;
 }
 
@@ -187,15 +248,56 @@ int SoftRigidPair::write(btSoftBody& soft, const btCollisionObjectWrapper& rigid
     }
     const MovableBodies movable{&soft, nullptr, m_soft->thread, false};
     const auto hardness = static_cast<double>(object.isStaticOrKinematicObject() ? soft.m_cfg.kKHR : soft.m_cfg.kCHR);
+    const std::vector<Eigen::Vector3f> before = m_before;
     bringBack({movable, static_cast<double>(distance), hardness, frame.getBasis()}, soft, nullptr, &m_before, nullptr,
               m_contacts);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        m_after[i] += m_before[i] - before[i];
+    }
+    return writeStops(site, distance, movable);
+}
+
+int SoftRigidPair::writeStops(const RigidContactSite& site, float distance, const MovableBodies& movable) {
     std::vector<double> missing;
     for (const SoftSurfaceContact& contact : m_contacts) {
         missing.push_back(static_cast<double>(std::min(distance, contact.before) - contact.after));
     }
     const NodeMoves moves = nodeMoves(movable, m_contacts, missing);
+    // A body that moves takes what it meets along; the gap that it has to close on the way is none of the solver's, or
+    // it would draw both together.
+    const double most = site.rigid.isStaticObject() ? 1e9 : static_cast<double>(distance);
+    int written = 0;
     for (const NodeMove& move : moves[0]) {
-        written += writeRigidContact(site, move) ? 1 : 0;
+        NodeStop stop;
+        stop.node = move.node;
+        stop.normal = move.move.normalized();
+        stop.place = m_after[move.node].cast<double>() + move.move;
+        const double nearer = stop.normal.dot(m_before[move.node].cast<double>() - stop.place);
+        stop.approach = std::clamp(nearer, 0.0, most);
+        written += writeRigidContact(site, stop) ? 1 : 0;
+    }
+    // What moves away by itself may be drawn back by its links.
+    std::vector<std::pair<std::uint32_t, std::size_t>> guarded;
+    for (std::size_t c = 0; c < m_contacts.size(); ++c) {
+        const SoftSurfaceContact& contact = m_contacts[c];
+        for (int i = 0; i < 3; ++i) {
+            const std::uint32_t node = contact.a[static_cast<std::size_t>(i)];
+            if (contact.before < distance && contact.weightsA[i] > 0.1F && moveOf(moves[0], node) == nullptr) {
+                guarded.emplace_back(node, c);
+            }
+        }
+    }
+    std::ranges::sort(guarded, {}, [&](const auto& guard) {
+        return std::tuple(guard.first, m_contacts[guard.second].after, guard.second);
+    });
+    const auto repeated = std::ranges::unique(guarded, {}, [](const auto& guard) { return guard.first; });
+    guarded.erase(repeated.begin(), repeated.end());
+    for (const auto& [node, c] : guarded) {
+        NodeStop stop;
+        stop.node = node;
+        stop.normal = m_contacts[c].normal.cast<double>();
+        stop.place = m_before[node].cast<double>();
+        written += writeRigidContact(site, stop) ? 1 : 0;
     }
     return written;
 }

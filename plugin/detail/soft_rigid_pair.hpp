@@ -10,6 +10,7 @@
 
 #include <grapeshot/plugin/detail/context.hpp>
 #include <grapeshot/plugin/detail/near_pairs.hpp>
+#include <grapeshot/plugin/detail/rigid_contact_writer.hpp>
 #include <grapeshot/plugin/detail/rigid_surface.hpp>
 #include <grapeshot/plugin/detail/soft_surface.hpp>
 #include <grapeshot/plugin/soft_contacts.hpp>
@@ -55,8 +56,12 @@ class SoftRigidPair {
     bool readPositions(const btSoftBody& soft, const btTransform& from, const btTransform& to, btScalar timeStep,
                        SoftWorld world);
     void forgetIfMoved();
+    /// Where nodes will be if they make way for the rigid body by no more than their links let them.
+    void holdNodes(const btSoftBody& soft, const btTransform& from, const btTransform& to, float distance);
     int write(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btTransform& frame,
               const btVector3& origin, float distance, SoftWorld world);
+    /// Contacts of its nodes in btSoftRigidDynamicsWorld.
+    int writeStops(const RigidContactSite& site, float distance, const MovableBodies& movable);
 
     Context& m_context;
     const btSoftBody* m_body = nullptr;
@@ -68,7 +73,7 @@ class SoftRigidPair {
     std::shared_ptr<const RigidSurface> m_rigid;
     std::unique_ptr<NearPairs> m_near;
     SurfaceContacts m_sides;
-    std::vector<Eigen::Vector3f> m_last, m_before, m_after;
+    std::vector<Eigen::Vector3f> m_last, m_before, m_after, m_held;
     const btCollisionObject* m_object = nullptr;
     btMatrix3x3 m_frame;   // of m_contacts
     float m_usualWay = 0;  // most that a vertex was to move in the last step, m
