@@ -29,7 +29,8 @@ Budget softBudget(Context& context) {
     Budget budget = context.settings.pairBudget;
     if (const Frame* frame = context.openFrame()) {
         const Budget slice = frame->latecomerSlice(softSlice);
-        budget.work = std::min(budget.work, slice.work);
+        // A tracker takes up to 40 units more than it may have.
+        budget.work = std::min(budget.work, slice.work == unlimited ? unlimited : slice.work - 40);
         if (slice.time != never) {
             budget.time = std::min(budget.time, slice.time);
             budget.clock = slice.clock;

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include <grapeshot/core/random.hpp>
-
 #include "soft_fixture.hpp"
 #include "support/test_size.hpp"
 
@@ -306,66 +304,6 @@ TEST(SoftMesh, AFrameCostsWhatItSays) {
     }
     EXPECT_GT(whole, 0);
     EXPECT_GT(sampled, 10);
-}
-
-/// How many of so many bodies that fly at a sheet that is held at its border end up with more than half of their
-/// corners behind it.
-int softThrough(const scenes::Mesh& mesh, int shots, double fromSpeed, double toSpeed) {
-    const MeshShape shape(mesh, Kind::mesh, 0.005_s);
-    int through = 0;
-    for (int i = 0; i < shots; ++i) {
-        std::uint32_t drawn = 0;
-        const auto draw = [&](double from, double to) {
-            const RandomKey key{3, static_cast<std::uint64_t>(i), 0};
-            return btScalar(from + (to - from) * static_cast<double>(randomUnit(key, drawn++)));
-        };
-        SoftTestWorld world;
-        world.setGravity({0, 0, 0});
-        btSoftBody& sheet = world.add(cloth(world.world.getWorldInfo(), {0, 0, 0}, 1, 15, 0, 5), 0.02_s);
-        sheet.m_cfg.piterations = 4;
-        for (int k = 0; k < 15; ++k) {
-            for (const int border : {k, 14 * 15 + k, 15 * k, 15 * k + 14}) {
-                sheet.setMass(border, 0);
-            }
-        }
-        const btScalar speed = draw(fromSpeed, toSpeed);
-        btRigidBody& body = world.add(*shape,
-                                      at({draw(-0.5, 0.5), draw(0.5, 1.5), draw(-0.5, 0.5)},
-                                         btQuaternion(draw(-1, 1), draw(-1, 1), draw(-1, 1), 1.5_s).normalized()),
-                                      1);
-        body.setLinearVelocity({speed * draw(-0.1, 0.1), -speed, speed * draw(-0.1, 0.1)});
-        world.step(static_cast<int>(150 / static_cast<double>(speed)) + 60);
-        int behind = 0;
-        for (const Eigen::Vector3f& v : mesh.vertices) {
-            const btVector3 corner = body.getWorldTransform() * btVector3(v.x(), v.y(), v.z());
-            behind += facesAbove(sheet, corner) % 2;
-        }
-        through += 2 * behind > static_cast<int>(mesh.vertices.size()) ? 1 : 0;
-    }
-    return through;
-}
-
-TEST(SoftMesh, FewShotsGoThroughASheet) {
-    // Without contacts ahead of time all do.
-    const int shots = sampleSize(12, 500);
-    const int boxes = softThrough(scenes::box({0.15F, 0.15F, 0.15F}, 2), shots, 1, 30);
-    RecordProperty("through", boxes);
-    EXPECT_LE(boxes, shots / 6);
-}
-
-TEST(SoftMesh, WhatPassesByIsNotDisturbed) {
-    const MeshShape box(scenes::box({0.15F, 0.15F, 0.15F}, 2), Kind::mesh, 0.005_s);
-    for (const btScalar speed : {1.0_s, 10.0_s, 30.0_s}) {
-        SoftTestWorld world;
-        world.setGravity({0, 0, 0});
-        btSoftBody& sheet = world.add(cloth(world.world.getWorldInfo(), {0, 0, 0}, 1, 15, 15, 5), 0.02_s);
-        btRigidBody& body = world.add(*box, at({1.19_s, 1, 0}), 1);
-        body.setLinearVelocity({0, -speed, 0});
-        world.step(static_cast<int>(150 / speed));
-        EXPECT_EQ(body.getLinearVelocity().y(), -speed);
-        EXPECT_EQ(body.getLinearVelocity().x(), 0);
-        EXPECT_LT(fastest(sheet), 1e-5) << speed;
-    }
 }
 
 }  // namespace
