@@ -10,8 +10,9 @@ namespace detail {
 
 namespace {
 
-/// Depth of the contact's plane, m. Bullet takes away what is left of the relative motion and adds c4 times the depth by
-/// then; from so far the sum is where the node is to be, however often that is done and wherever links have pulled it.
+/// Depth of the contact's plane, m. Bullet takes away what is left of the relative motion and adds c4 times the depth
+/// by then; from so far the sum is where the node is to be, however often that is done and wherever links have pulled
+/// it.
 constexpr btScalar bottomless = 1e6;
 
 }  // namespace

@@ -20,8 +20,8 @@ struct RigidContactSite {
 /// What a node may do beside the body.
 struct NodeStop {
     std::uint32_t node = 0;
-    Eigen::Vector3d normal;                            ///< unit, away from the body; frame of the contacts
-    double approach = 0;                               ///< how much nearer it may come in the step, m, >= 0
+    Eigen::Vector3d normal;                           ///< unit, away from the body; frame of the contacts
+    double approach = 0;                              ///< how much nearer it may come in the step, m, >= 0
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< where it will be then, frame of the contacts
 };
 

@@ -141,7 +141,7 @@ void SoftRigidPair::holdNodes(const btSoftBody& soft, const btTransform& from, c
                 pulls = pullsOf(soft, m_held.size());
             }
             const float outOfTheWay = std::clamp((m_after[i] - still).dot(body) / way, 0.0F, way);
-            m_held[i] -= std::min(pulls[i], outOfTheWay) / way * body;
+            m_held[i] -= std::min(2 * pulls[i], outOfTheWay) / way * body;
         }
     }
 }

@@ -24,5 +24,7 @@ void runClothOnTorus(double ring, const Options& options, report::Report& result
 void runFold(int triangles, const Options& options, report::Report& results);
 /// The scenes of Bullet's own demos, both soft worlds: does anything break, and who is inside of what?
 void runSoftDemos(const Options& options, report::Report& results);
+/// Rigid meshes shot at a sheet that is held at its border: who goes through.
+void runSoftShots(const Options& options, report::Report& results);
 
 }  // namespace grapeshot::bench

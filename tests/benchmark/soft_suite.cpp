@@ -48,6 +48,7 @@ constexpr std::array softScenarios{
     SoftScenario{"fold_10k", false, fold<10'000>},
     SoftScenario{"fold_70k", false, fold<70'000>},
     SoftScenario{"demos", false, runSoftDemos},
+    SoftScenario{"shots", true, runSoftShots},
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "soft_world.hpp"
 
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -130,14 +132,15 @@ void SoftWorld::collideWithItself(btSoftBody& body) {
     }
 }
 
-void SoftWorld::add(Rigid rigid, const btVector3& centre) {
-    btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, rigid.shape.get());
-    info.m_startWorldTransform.setIdentity();
-    info.m_startWorldTransform.setOrigin(centre);
+btRigidBody& SoftWorld::add(Rigid rigid, const btTransform& pose, double mass) {
+    const btVector3 inertia = mass > 0 ? massProperties(rigid.shape.get(), btScalar(mass)).inertia : btVector3(0, 0, 0);
+    btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, rigid.shape.get(), inertia);
+    info.m_startWorldTransform = pose;
     rigid.body = std::make_unique<btRigidBody>(info);
     rigid.body->setFriction(1);
     m_world->addRigidBody(rigid.body.get());
     m_rigids.push_back(std::move(rigid));
+    return *m_rigids.back().body;
 }
 
 void SoftWorld::addMesh(const scenes::Mesh& mesh, double margin) {
@@ -146,13 +149,27 @@ void SoftWorld::addMesh(const scenes::Mesh& mesh, double margin) {
     rigid.arrays = scenes::arraysOf(rigid.mesh->view());
     rigid.shape = std::make_unique<btBvhTriangleMeshShape>(rigid.arrays.get(), true);
     rigid.shape->setMargin(btScalar(margin));
-    add(std::move(rigid), {0, 0, 0});
+    add(std::move(rigid), btTransform::getIdentity());
+}
+
+btRigidBody& SoftWorld::throwMesh(const scenes::Mesh& mesh, double margin, const btTransform& pose,
+                                  const btVector3& velocity) {
+    Rigid rigid;
+    rigid.mesh = std::make_unique<scenes::Mesh>(mesh);
+    rigid.arrays = scenes::arraysOf(rigid.mesh->view());
+    auto shape = std::make_unique<btGImpactMeshShape>(rigid.arrays.get());
+    shape->setMargin(btScalar(margin));
+    shape->updateBound();
+    rigid.shape = std::move(shape);
+    btRigidBody& body = add(std::move(rigid), pose, 1);
+    body.setLinearVelocity(velocity);
+    return body;
 }
 
 void SoftWorld::addGround() {
     Rigid rigid;
     rigid.shape = std::make_unique<btBoxShape>(btVector3(5, btScalar(0.5), 5));
-    add(std::move(rigid), {0, btScalar(-0.5), 0});
+    add(std::move(rigid), btTransform(btQuaternion::getIdentity(), {0, btScalar(-0.5), 0}));
 }
 
 void SoftWorld::setGravity(double gravity) {

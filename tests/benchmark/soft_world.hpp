@@ -47,6 +47,8 @@ class SoftWorld {
     void collideWithItself(btSoftBody& body);
     /// Static, btBvhTriangleMeshShape.
     void addMesh(const scenes::Mesh& mesh, double margin);
+    /// btGImpactMeshShape of 1 kg on its way, m/s.
+    btRigidBody& throwMesh(const scenes::Mesh& mesh, double margin, const btTransform& pose, const btVector3& velocity);
     /// Static, its top at y = 0.
     void addGround();
 
@@ -80,7 +82,7 @@ class SoftWorld {
         std::unique_ptr<btCollisionShape> shape;
         std::unique_ptr<btRigidBody> body;
     };
-    void add(Rigid rigid, const btVector3& centre);
+    btRigidBody& add(Rigid rigid, const btTransform& pose, double mass = 0);
 
     SoftMethod m_method;
     btSoftBodyRigidBodyCollisionConfiguration m_configuration;
