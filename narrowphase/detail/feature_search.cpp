@@ -32,6 +32,7 @@ TrackSettings trackSettings(const PairSettings& settings) {
     track.spacing = settings.set.regions.spacing / 2;
     track.followDistance = settings.maxDistance;
     track.frontCells = rigidFrontCells;
+    track.keepFront = false;  // while bodies hardly move, their pairs of leaves are kept, and no step is made
     track.seed = settings.features.seed;
     track.pair = settings.features.pair;
     return track;
