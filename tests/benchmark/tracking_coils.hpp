@@ -55,7 +55,7 @@ inline constexpr CoilShape fittingCoil{.tubeRadius = 0.025F,
 
 /// So many units for the length of a tube radius, whatever the number of triangles: a twelfth more than where the worst
 /// of six seeds covers 99.5 % of the fitting coil of 100k triangles; looking ahead by 2 steps, at which it covers more
-/// in the same time than at 0, 1 and 4 (see tracking_fit.hpp).
+/// in the same time than at 0 and 1 (see tracking_fit.hpp).
 [[nodiscard]] constexpr TrackingBudget coilBudget(const CoilShape& shape) {
     constexpr float unitsPerRadius = 26;
     return {static_cast<std::uint64_t>(unitsPerRadius * shape.length / shape.tubeRadius), 64, 0.1F, 2};
