@@ -42,8 +42,9 @@ TrackStep::TrackStep(const PairSpace& space, const TrackSettings& settings, cons
       m_untested(memory.tracked.size()) {
     // Where nothing is known, or moves, of what may be expected.
     m_way = m_nearer > 0 && m_nearer < unknownWay ? m_nearer : settings.spacing * stillness;
-    m_usesFront = nearer.has_value() && (settings.lookAhead > 0 || (settings.keepFront && m_way < fastestKept()));
-    if (settings.mode == TrackMode::budget && m_nearer < unknownWay) {
+    const bool looksAhead = settings.mode == TrackMode::budget && settings.lookAhead > 0;
+    m_usesFront = nearer.has_value() && (looksAhead || (settings.keepFront && m_way < fastestKept()));
+    if (looksAhead && m_nearer < unknownWay) {
         m_wide.reach += std::min(settings.lookAhead * m_nearer, settings.spacing);
     }
     m_follow = std::max(settings.followDistance, ahead());
