@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -49,12 +48,14 @@ DemoCourse runDemo(const SoftDemo& demo, scenes::Engine engine, int steps) {
 }  // namespace
 
 void runSoftDemos(const Options& options, report::Report& results) {
-    const int steps = options.quick ? 30 : 240;
+    const int steps = options.quick ? sampleEvery : 240;
     for (const SoftDemo& demo : softDemos()) {
         const std::string name(demo.name);
-        const std::array courses{runDemo(demo, scenes::Engine::grapeshot, steps),
-                                 runDemo(demo, scenes::Engine::none, steps)};
-        for (std::size_t i = 0; i < 2; ++i) {
+        std::vector<DemoCourse> courses{runDemo(demo, scenes::Engine::grapeshot, steps)};
+        if (!options.quick) {
+            courses.push_back(runDemo(demo, scenes::Engine::none, steps));
+        }
+        for (std::size_t i = 0; i < courses.size(); ++i) {
             report::Row row;
             row.scenario = "demo " + name;
             row.mesh = demo.deformable ? "deformable world" : "soft-rigid world";
@@ -68,12 +69,16 @@ void runSoftDemos(const Options& options, report::Report& results) {
             results.rows.push_back(std::move(row));
         }
         Claims claims("soft demo " + name, results);
+        const bool isBulletFinite = courses.back().finite;
         claims.atLeast("nodes are where numbers say, or not with Bullet's own either",
-                       courses[0].finite || !courses[1].finite ? 1 : 0, 1);
-        // Where both are the same but for rounding, bodies fall apart in other ways: a node or two is chance.
-        claims.atMost("nodes inside of rigid bodies, mean of the course", courses[0].insideMean,
-                      courses[1].insideMean + 0.002 * courses[1].nodes);
-        std::cerr << "demo " << name << '\n';
+                       courses[0].finite || (!isBulletFinite && courses.size() > 1) ? 1 : 0, 1);
+        if (courses.size() > 1) {
+            // Where both are the same but for rounding, bodies fall in other ways: a node or two is chance.
+            claims.atMost("nodes inside of rigid bodies, mean of the course", courses[0].insideMean,
+                          courses[1].insideMean + 0.002 * courses[1].nodes);
+        }
+        std::cerr << "demo " << name << ": " << courses.front().insideMean << " of " << courses.front().nodes
+                  << " nodes inside, Bullet's own " << courses.back().insideMean << '\n';
     }
 }
 
