@@ -70,6 +70,7 @@ MethodScene haptic(const Options& options) {
 MethodScene cannonball() {
     MethodScene scene;
     scene.name = "cannonball";
+    scene.timeStep = 1.0 / 120;  // as the scene has it
     scene.make = [](const WorldSettings& method) {
         scenes::CannonballSettings settings;
         settings.engine = method.engine;
@@ -95,7 +96,7 @@ std::vector<MethodScene> methodScenes(const Options& options) {
     if (options.quick) {
         for (MethodScene& scene : all) {
             scene.seconds = std::min(scene.seconds, scene.name == "pile" ? 1.5 : 0.5);
-            scene.seconds = scene.timeStep < 0.01 ? 0.03 : scene.seconds;
+            scene.seconds = scene.timeStep < 0.002 ? 0.03 : scene.seconds;
         }
     }
     return all;

@@ -44,7 +44,7 @@ TEST(BallTree, InSlicesItIsTheSameAndEachSliceIsKept) {
             BallTree tree;
             const std::uint64_t work = inSlices(buildBallTreeInSlices(mesh.mesh.view(), tree), slice);
             EXPECT_LE(work, 60 * mesh.mesh.triangles.size() + 1000);
-            EXPECT_GE(work, 10 * mesh.mesh.triangles.size());
+            EXPECT_GE(work, 5 * mesh.mesh.triangles.size());
             EXPECT_EQ(tree.surface.ring.all, whole.surface.ring.all);
             EXPECT_EQ(tree.surface.topology, whole.surface.topology);
             EXPECT_TRUE(sameBytes(tree.nodes, whole.nodes));
