@@ -35,6 +35,7 @@ MethodScene resting(test::RestScene rest) {
     scene.name = test::name(rest);
     scene.seconds = 10;
     scene.rests = true;
+    scene.isTangled = rest == test::RestScene::nutOnBolt;
     scene.make = [rest](const WorldSettings& method) {
         WorldSettings settings = test::undamped(method.engine, margin);
         settings.settings = method.settings;
@@ -49,6 +50,7 @@ MethodScene machine(const MachineScene& machine) {
     MethodScene scene;
     scene.name = machine.name;
     scene.seconds = machine.seconds;
+    scene.isTangled = machine.name == "stacked_cups" || machine.name == "gears";
     scene.make = [make = machine.make](const WorldSettings& method) { return make(method, margin); };
     scene.fault = machine.fault;
     scene.faults = machine.faults;
