@@ -24,8 +24,10 @@ Status addSelfCollision(btCollisionDispatcher* dispatcher, btSoftBody* body, con
     if (dispatcher == nullptr || body == nullptr) {
         return Status::nullPointer;
     }
-    if (!(how.thickness >= 0 && std::isfinite(how.thickness) && how.exclusion >= 0 && std::isfinite(how.exclusion))) {
-        return Status::badArgument;
+    for (const float length : {how.thickness, how.exclusion, how.spacing}) {
+        if (!(length >= 0 && std::isfinite(length))) {
+            return Status::badArgument;
+        }
     }
     const std::shared_ptr<Context> context = Contexts::instance().find(dispatcher);
     if (!context || !context->isIn(*dispatcher)) {

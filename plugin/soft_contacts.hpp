@@ -23,6 +23,9 @@ struct SelfCollision {
     /// one and a half times the thickness along the surface. Makes the search of fine meshes faster; wrong for bodies
     /// that are folded when they are first seen.
     float exclusion = 0;
+    /// m, >= 0, under a budget: of contacts nearer to each other than about this on both layers one is enough. 0: half an
+    /// edge. Larger: a fine surface costs less, and what keeps it apart is a coarser body.
+    float spacing = 0;
 };
 
 /// From the next dispatch on, nodes and edges of the body stay on their side of its own faces. The dispatcher must be a
@@ -41,6 +44,7 @@ struct SoftContact {
     std::array<float, 3> weights{};                     ///< of the nodes; their sum is 1
     int triangle = -1;                                  ///< of a mesh, in the order of its triangles; of a soft body -1
     std::array<int, 3> otherNodes{-1, -1, -1};          ///< of a soft body; of a mesh -1
+    std::array<float, 3> otherWeights{};                ///< of these; of a mesh 0
     Eigen::Vector3f normal = Eigen::Vector3f::UnitY();  ///< unit, to the soft body
     float distance = 0;    ///< at the begin of the step, margins not included, m; negative: on the wrong side
     float predicted = 0;   ///< at its end, without contacts

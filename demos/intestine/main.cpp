@@ -12,18 +12,13 @@
 namespace grapeshot::intestine {
 namespace {
 
-constexpr double floorHalf = 5;     // m
-constexpr double steepness = 0.03;  // 1 / m
-
-/// Height of the bowl in which the coils slide to the middle, onto each other.
-double floorAt(double x, double z) {
-    return steepness * (x * x + z * z);
-}
+constexpr double floorHalf = 5;  // m
+constexpr double coverRadius = 0.05;  // m
 
 scenes::Mesh cavity(int cells) {
     scenes::Mesh mesh = scenes::grid(floorHalf, floorHalf, cells, cells);
     for (Eigen::Vector3f& vertex : mesh.vertices) {
-        vertex.y() = static_cast<float>(floorAt(static_cast<double>(vertex.x()), static_cast<double>(vertex.z())));
+        vertex.y() = static_cast<float>(groundAt(static_cast<double>(vertex.x()), static_cast<double>(vertex.z())));
     }
     return mesh;
 }
@@ -36,19 +31,36 @@ Operation operationOn(const StrandWatch& strands, double share) {
     Operation operation;
     operation.aside = Eigen::Vector3d::UnitY().cross(along.normalized());
     operation.spot = at - (tubeRadius + 0.12) * operation.aside;
-    operation.spot.y() = std::max(at.y() - tubeRadius, floorAt(operation.spot.x(), operation.spot.z()) + 0.08);
+    operation.spot.y() = std::max(at.y() - tubeRadius, groundAt(operation.spot.x(), operation.spot.z()) + 0.08);
     return operation;
 }
 
-soft::Scene makeScene(soft::Method method, const OrganSettings& settings, const soft::DemoOptions& options) {
+struct IntestineOptions {
+    OrganSettings organ;
+    std::uint64_t budget = 4000;
+    int compareEvery = 60;
+};
+
+soft::Scene makeScene(soft::Method method, const IntestineOptions& settings, const soft::DemoOptions& options) {
     soft::Scene scene;
     scene.name = "intestine";
-    scene.world = std::make_unique<soft::World>(method, options.seed);
+    scene.world = std::make_unique<soft::World>(method, options.seed, settings.budget);
     scene.camera = {.eye = {-2.0, 6.5, -3.0}, .target = {1.3, 0.2, 1.5}, .fieldOfView = 42};
     soft::World& world = *scene.world;
-    world.add(cavity(40), {}, false, {0.80F, 0.72F, 0.66F});
-    Organ organ = makeOrgan(world.info(), settings);
-    const btSoftBody& body = world.add(std::move(organ.body), margin, {0.86F, 0.52F, 0.50F}, true);
+    world.addScenery(cavity(40), {0.80F, 0.72F, 0.66F});
+    Organ organ = makeOrgan(world.info(), settings.organ);
+    soft::CarriedSettings carrying;
+    carrying.thickness = thickness;
+    carrying.ground = groundAt;
+    auto carried =
+        std::make_unique<soft::CarriedBody>(world.info(), std::move(organ.core), std::move(organ.surface), carrying);
+    const btSoftBody& body = carried->core();
+    SelfCollision itself;
+    itself.thickness = static_cast<float>(thickness);
+    itself.exclusion = 0.1F;
+    itself.spacing = 0.02F;
+    world.add(std::move(carried), itself, {0.86F, 0.52F, 0.50F});
+    world.compareEvery(settings.compareEvery, coverRadius);
     const auto strands = std::make_shared<StrandWatch>(body, organ.rings, organ.around);
     const auto operation = std::make_shared<Operation>(operationOn(*strands, 0.45));
     const std::size_t tool = world.add(hook(12), instrumentPose(0, *operation), true, {0.55F, 0.60F, 0.68F});
@@ -70,16 +82,22 @@ soft::Scene makeScene(soft::Method method, const OrganSettings& settings, const 
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what CLI11 says of wrong declarations
     using namespace grapeshot;
-    intestine::OrganSettings settings;
+    intestine::IntestineOptions settings;
     soft::DemoOptions options;
     CLI::App app(
         "A long tube on its mesentery falls on itself; a hook pushes, lifts and lets go of it. Ten times as large as\n"
         "life. Prints times per frame of 1/30 s. Exit code: 0, 1 (something passed through or was lost), 2 (bad use).",
         "intestine");
     soft::addOptions(app, options);
-    app.add_option("--length", settings.length, "of the tube, m")->check(CLI::Range(4.0, 50.0))->capture_default_str();
-    app.add_option("--around", settings.around, "vertices around the tube, even; triangles grow with its square")
-        ->check(CLI::Range(6, 128))
+    app.add_option("--length", settings.organ.length, "of the tube, m")->check(CLI::Range(4.0, 50.0))->capture_default_str();
+    app.add_option("--fineness", settings.organ.fineness,
+                   "pieces of the surface along each edge of what carries it: 1 is some 10,000 triangles, 3 some 90,000")
+        ->check(CLI::Range(1, 16))
+        ->capture_default_str();
+    app.add_option("--budget", settings.budget, "units that the search may have per pair and step")
+        ->capture_default_str();
+    app.add_option("--compare", settings.compareEvery, "with a search to the end in every such step; 0: never")
+        ->check(CLI::Range(0, 100000))
         ->capture_default_str();
     return soft::runMain(app, argc, argv, [&] {
         return soft::demo("intestine", options,

@@ -2,137 +2,279 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include <soft/spline_surface.hpp>
 
 namespace grapeshot::intestine {
 
 using Eigen::Vector3d;
+using soft::splineRow;
 
 namespace {
 
-constexpr double height = 1.0;     // of the start above the ground, m
-constexpr double folds = 3.6;      // strands per radian; they lie on rays from the middle
-constexpr double innerTurn = 1.7;  // where strands end, m; half circles join them
+constexpr double steepness = 0.05;  // 1 / m
+constexpr double folds = 3.6;       // strands per radian; they lie on rays from the middle
+constexpr double innerTurn = 1.7;   // where strands end, m; half circles join them
 constexpr double outerTurn = 3.6;
-constexpr double rootRadius = 0.7;    // where the mesentery is fixed, m
-constexpr int sheetRows = 10;         // from the root to the tube
+constexpr double aboveGround = 0.22;  // of the tube's middle, m
+constexpr int around = 12;            // nodes around the tube; a multiple of four
+constexpr int across = 6;             // cells of a sheet from strand to strand
+constexpr int facing = around / 4;    // where the sheet comes in: on the sides of a fold that face each other
+constexpr double slack = 0.04;        // of a sheet, m
+constexpr double narrowest = 0.2;     // a sheet ends where the turn leaves it less room, m
 constexpr double tubeDensity = 0.6;   // kg per m
 constexpr double sheetDensity = 0.4;  // kg per m^2
+/// The splines draw a ring of the core in.
+const double coreRadius = tubeRadius / (0.75 + 0.25 * std::cos(2 * std::numbers::pi / around));
 
 btVector3 toBullet(const Vector3d& v) {
     return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
 }
 
-/// Nodes, links and faces before Bullet has them.
-struct Plan {
-    std::vector<btVector3> points;
-    std::vector<btScalar> masses;
-    std::vector<std::pair<int, int>> links;
-    std::vector<std::array<int, 3>> faces;
+class Builder {
+  public:
+    Builder(std::vector<Vector3d> middles, int fineness)
+        : m_middles(std::move(middles)), m_rings(static_cast<int>(m_middles.size())), m_fine(fineness) {}
 
+    Organ build(btSoftBodyWorldInfo& info, double length);
+
+  private:
     int node(const Vector3d& at, double mass) {
-        points.push_back(toBullet(at));
-        masses.push_back(static_cast<btScalar>(mass));
-        return static_cast<int>(points.size()) - 1;
+        m_points.push_back(at);
+        m_masses.push_back(static_cast<btScalar>(mass));
+        return static_cast<int>(m_points.size()) - 1;
     }
-    void quad(int a, int b, int c, int d) {
-        faces.push_back({a, b, c});
-        faces.push_back({a, c, d});
-        links.emplace_back(a, c);
+    void link(int a, int b) { m_links.emplace_back(a, b); }
+    [[nodiscard]] static int at(int ring, int k) { return ring * around + (k + around) % around; }
+    [[nodiscard]] std::uint32_t fineAt(int ring, int k) const {
+        const int n = around * m_fine;
+        return static_cast<std::uint32_t>(ring * n + (k + n) % n);
     }
+    void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        m_surface.triangles.push_back({a, b, c});
+        m_surface.triangles.push_back({a, c, d});
+    }
+    void addTube(double nodeMass);
+    void addTubeSurface();
+    /// Between the strands before and after the outer turn whose middle is ring `tip`. False if it is not whole.
+    bool addSheet(int tip);
+    void addSheetSurface(int tip, int firstRow, int attached, const std::vector<std::array<int, across + 1>>& grid);
+
+    std::vector<Vector3d> m_middles;
+    int m_rings;
+    int m_fine;
+    std::vector<Vector3d> m_points;
+    std::vector<btScalar> m_masses;
+    std::vector<std::pair<int, int>> m_links;
+    soft::CarriedSurface m_surface;
 };
 
-void addTube(Plan& plan, const std::vector<Vector3d>& middles, int around, double nodeMass) {
-    const int rings = static_cast<int>(middles.size());
-    for (int i = 0; i < rings; ++i) {
-        const Vector3d ahead = middles[static_cast<std::size_t>(std::min(i + 1, rings - 1))];
-        const Vector3d behind = middles[static_cast<std::size_t>(std::max(i - 1, 0))];
-        const Vector3d side = (ahead - behind).normalized().cross(Vector3d::UnitY());
+void Builder::addTube(double nodeMass) {
+    for (int i = 0; i < m_rings; ++i) {
+        const Vector3d ahead = m_middles[static_cast<std::size_t>(std::min(i + 1, m_rings - 1))];
+        const Vector3d behind = m_middles[static_cast<std::size_t>(std::max(i - 1, 0))];
+        const Vector3d along = (ahead - behind).normalized();
+        const Vector3d side = along.cross(Vector3d::UnitY()).normalized();
+        const Vector3d up = side.cross(along);
         for (int k = 0; k < around; ++k) {
-            // Vertex 0 is at the bottom, where the mesentery comes in.
             const double angle = 2 * std::numbers::pi * k / around;
-            plan.node(middles[static_cast<std::size_t>(i)] +
-                          tubeRadius * (std::sin(angle) * side - std::cos(angle) * Vector3d::UnitY()),
-                      nodeMass);
+            node(m_middles[static_cast<std::size_t>(i)] + coreRadius * (std::sin(angle) * side - std::cos(angle) * up),
+                 nodeMass);
         }
     }
-    const auto at = [&](int i, int k) { return i * around + (k + around) % around; };
-    for (int i = 0; i < rings; ++i) {
+    for (int i = 0; i < m_rings; ++i) {
         for (int k = 0; k < around; ++k) {
-            plan.links.emplace_back(at(i, k), at(i, k + 1));
-            if (i + 1 < rings) {
-                plan.links.emplace_back(at(i, k), at(i + 1, k));
-                plan.quad(at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1));
+            link(at(i, k), at(i, k + 1));
+            link(at(i, k), at(i, k + 2));
+            if (i + 1 < m_rings) {
+                link(at(i, k), at(i + 1, k));
+                link(at(i, k), at(i + 1, k + 1));
+                link(at(i, k + 1), at(i + 1, k));
             }
-            if (i + 2 < rings) {
-                plan.links.emplace_back(at(i, k), at(i + 2, k));  // against kinks
+            if (i + 2 < m_rings) {
+                link(at(i, k), at(i + 2, k));  // against kinks
             }
             if (k < around / 2) {
-                plan.links.emplace_back(at(i, k), at(i, k + around / 2));  // what fills the tube keeps it open
+                link(at(i, k), at(i, k + around / 2));  // what fills the tube keeps it open
             }
-            plan.links.emplace_back(at(i, k), at(i, k + 2));
         }
     }
-    for (const int end : {0, rings - 1}) {
-        const int centre = plan.node(middles[static_cast<std::size_t>(end)], nodeMass);
+    for (const int end : {0, m_rings - 1}) {
+        const int centre = node(m_middles[static_cast<std::size_t>(end)], nodeMass);
         for (int k = 0; k < around; ++k) {
-            const int next = end == 0 ? k + 1 : k - 1;
-            plan.faces.push_back({centre, at(end, k), at(end, next)});
-            plan.links.emplace_back(centre, at(end, k));
+            link(centre, at(end, k));
         }
     }
 }
 
-/// Where the sheet to a point of the tube begins: it fans out from between the two strands of a fold, so that it lies
-/// nowhere on itself.
-double rootAngle(const Vector3d& at) {
-    double angle = std::atan2(at.z(), at.x());
-    angle += angle < 0 ? 2 * std::numbers::pi : 0;
-    const double fold = 2 / folds;
-    const double centre = fold * (std::round(angle / fold - 0.5) + 0.5);
-    const double outward = std::clamp((std::hypot(at.x(), at.z()) - innerTurn) / (outerTurn - innerTurn), 0.0, 1.0);
-    return centre + (angle - centre) * (1 - 0.6 * outward);
-}
-
-void addSheet(Plan& plan, const std::vector<Vector3d>& middles, int around, double nodeMass) {
-    const int rings = static_cast<int>(middles.size());
-    const int first = static_cast<int>(plan.points.size());
-    const auto at = [&](int i, int row) { return row == sheetRows ? i * around : first + i * sheetRows + row; };
-    for (const Vector3d& centre : middles) {
-        const Vector3d end = centre - tubeRadius * Vector3d::UnitY();
-        const double angle = rootAngle(end);
-        const Vector3d root(rootRadius * std::cos(angle), end.y(), rootRadius * std::sin(angle));
-        for (int row = 0; row < sheetRows; ++row) {
-            const double t = static_cast<double>(row) / sheetRows;
-            const Vector3d slack = 0.2 * std::sin(std::numbers::pi * t) * Vector3d::UnitY();
-            plan.node(root + t * (end - root) - slack, row == 0 ? 0 : nodeMass);
+void Builder::addTubeSurface() {
+    const int fineRings = (m_rings - 1) * m_fine;
+    for (int i = 0; i <= fineRings; ++i) {
+        const soft::SplineRow u = splineRow(static_cast<double>(i) / m_fine, m_rings, false);
+        for (int k = 0; k < around * m_fine; ++k) {
+            addVertex(m_surface, u, splineRow(static_cast<double>(k) / m_fine, around, true),
+                      [](int ring, int column) { return at(ring, column); });
         }
     }
-    for (int i = 0; i < rings; ++i) {
-        for (int row = 0; row < sheetRows; ++row) {
-            plan.links.emplace_back(at(i, row), at(i, row + 1));
-            if (i + 1 < rings) {
-                if (row > 0) {
-                    plan.links.emplace_back(at(i, row), at(i + 1, row));
+    for (int i = 0; i < fineRings; ++i) {
+        for (int k = 0; k < around * m_fine; ++k) {
+            quad(fineAt(i, k), fineAt(i + 1, k), fineAt(i + 1, k + 1), fineAt(i, k + 1));
+        }
+    }
+    for (int end = 0; end < 2; ++end) {
+        const auto centre = static_cast<std::uint32_t>(m_rings * around + end);
+        m_surface.shares.push_back({centre, 1});
+        m_surface.ends.push_back(static_cast<std::uint32_t>(m_surface.shares.size()));
+        const std::uint32_t middle = m_surface.vertices() - 1;
+        const int ring = end == 0 ? 0 : fineRings;
+        for (int k = 0; k < around * m_fine; ++k) {
+            m_surface.triangles.push_back(
+                {middle, fineAt(ring, end == 0 ? k : k + 1), fineAt(ring, end == 0 ? k + 1 : k)});
+        }
+    }
+}
+
+bool Builder::addSheet(int tip) {
+    const auto reaches = [&](int d) { return tip - d >= 0 && tip + d < m_rings; };
+    const auto chord = [&](int d) { return (m_points[static_cast<std::size_t>(at(tip - d, facing))] - m_points[static_cast<std::size_t>(at(tip + d, facing))]).norm(); };
+    const auto radius = [&](int d) {
+        const Vector3d& middle = m_middles[static_cast<std::size_t>(tip - d)];
+        return std::hypot(middle.x(), middle.z());
+    };
+    int first = 1;
+    while (reaches(first) && chord(first) < narrowest) {
+        ++first;
+    }
+    int last = first;
+    while (reaches(last + 1) && radius(last + 1) >= innerTurn) {
+        ++last;
+    }
+    if (!reaches(last + 1)) {
+        return false;
+    }
+    const double cell = (m_middles[1] - m_middles[0]).norm();
+    std::vector<std::array<int, across + 1>> grid;
+    const auto addRow = [&](const Vector3d& from, const Vector3d& to, bool sewn, int d, double mass) {
+        std::array<int, across + 1> row{};
+        for (int c = 0; c <= across; ++c) {
+            const double t = static_cast<double>(c) / across;
+            if (sewn && (c == 0 || c == across)) {
+                row[static_cast<std::size_t>(c)] = c == 0 ? at(tip - d, facing) : at(tip + d, facing);
+                continue;
+            }
+            row[static_cast<std::size_t>(c)] =
+                node(from + t * (to - from) - slack * std::sin(std::numbers::pi * t) * Vector3d::UnitY(), mass);
+        }
+        grid.push_back(row);
+    };
+    for (int d = first; d <= last; ++d) {
+        const Vector3d from = m_points[static_cast<std::size_t>(at(tip - d, facing))];
+        const Vector3d to = m_points[static_cast<std::size_t>(at(tip + d, facing))];
+        addRow(from, to, true, d, sheetDensity * cell * (to - from).norm() / (across - 1));
+    }
+    // From there a narrowing strip to the root.
+    const Vector3d from = m_points[static_cast<std::size_t>(at(tip - last, facing))];
+    const Vector3d to = m_points[static_cast<std::size_t>(at(tip + last, facing))];
+    const Vector3d inward = -Vector3d(from.x() + to.x(), 0, from.z() + to.z()).normalized();
+    const double way = radius(last) - rootRadius;
+    const int rows = std::max(2, static_cast<int>(std::lround(way / cell)));
+    for (int i = 1; i <= rows; ++i) {
+        const double t = static_cast<double>(i) / rows;
+        const double narrow = 0.5 * (0.35 * std::min(1.0, 3 * t));
+        const auto moved = [&](const Vector3d& start, const Vector3d& other) {
+            Vector3d place = start + narrow * (other - start) + t * way * inward;
+            place.y() = (1 - t) * start.y() + t * (groundAt(rootRadius, 0) + aboveGround);
+            return place;
+        };
+        addRow(moved(from, to), moved(to, from), false, 0,
+               i == rows ? 0 : sheetDensity * cell * (to - from).norm() / (across + 1));
+    }
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        for (std::size_t c = 0; c <= across; ++c) {
+            if (c < across) {
+                link(grid[i][c], grid[i][c + 1]);
+            }
+            if (i + 1 < grid.size()) {
+                const bool sewn = static_cast<int>(i) + first < last && (c == 0 || c == across);
+                if (!sewn) {
+                    link(grid[i][c], grid[i + 1][c]);
                 }
-                plan.quad(at(i, row), at(i, row + 1), at(i + 1, row + 1), at(i + 1, row));
+                if (c < across) {
+                    link(grid[i][c], grid[i + 1][c + 1]);
+                    link(grid[i][c + 1], grid[i + 1][c]);
+                }
             }
         }
     }
+    addSheetSurface(tip, first, last - first, grid);
+    return true;
 }
 
-double sheetArea(const std::vector<Vector3d>& middles) {
-    double area = 0;
-    for (std::size_t i = 1; i < middles.size(); ++i) {
-        const Vector3d a(middles[i - 1].x(), 0, middles[i - 1].z());
-        const Vector3d b(middles[i].x(), 0, middles[i].z());
-        area += 0.5 * a.cross(b).norm();
+void Builder::addSheetSurface(int tip, int firstRow, int attached,
+                              const std::vector<std::array<int, across + 1>>& grid) {
+    const int rows = static_cast<int>(grid.size());
+    std::vector<std::vector<std::uint32_t>> fine;
+    for (int i = 0; i <= (rows - 1) * m_fine; ++i) {
+        const bool sewn = i <= attached * m_fine;
+        const soft::SplineRow u = splineRow(static_cast<double>(i) / m_fine, rows, false);
+        std::vector<std::uint32_t>& row = fine.emplace_back();
+        for (int c = 0; c <= across * m_fine; ++c) {
+            if (sewn && (c == 0 || c == across * m_fine)) {
+                const int ring = c == 0 ? (tip - firstRow) * m_fine - i : (tip + firstRow) * m_fine + i;
+                row.push_back(fineAt(ring, facing * m_fine));
+                continue;
+            }
+            row.push_back(addVertex(m_surface, u, splineRow(static_cast<double>(c) / m_fine, across + 1, false),
+                                    [&](int r, int column) {
+                                        return grid[static_cast<std::size_t>(r)][static_cast<std::size_t>(column)];
+                                    }));
+        }
     }
-    return area;
+    for (std::size_t i = 0; i + 1 < fine.size(); ++i) {
+        for (std::size_t c = 0; c + 1 < fine[i].size(); ++c) {
+            quad(fine[i][c], fine[i][c + 1], fine[i + 1][c + 1], fine[i + 1][c]);
+        }
+    }
+}
+
+Organ Builder::build(btSoftBodyWorldInfo& info, double length) {
+    addTube(tubeDensity * length / (m_rings * around));
+    addTubeSurface();
+    const auto radiusOf = [&](int i) {
+        const Vector3d& middle = m_middles[static_cast<std::size_t>(i)];
+        return std::hypot(middle.x(), middle.z());
+    };
+    for (int i = 1; i + 1 < m_rings; ++i) {
+        if (radiusOf(i) > outerTurn && radiusOf(i) >= radiusOf(i - 1) && radiusOf(i) > radiusOf(i + 1)) {
+            addSheet(i);
+        }
+    }
+    std::vector<btVector3> points;
+    for (const Vector3d& point : m_points) {
+        points.push_back(toBullet(point));
+    }
+    Organ organ;
+    organ.core =
+        std::make_unique<btSoftBody>(&info, static_cast<int>(points.size()), points.data(), m_masses.data());
+    for (const auto& [a, b] : m_links) {
+        organ.core->appendLink(a, b);
+    }
+    organ.core->m_cfg.collisions = 0;
+    organ.surface = std::move(m_surface);
+    organ.rings = m_rings;
+    organ.around = around;
+    return organ;
 }
 
 }  // namespace
+
+double groundAt(double x, double z) {
+    return steepness * (x * x + z * z);
+}
 
 std::vector<Vector3d> coil(double length, double spacing) {
     const int count = std::max(8, static_cast<int>(std::lround(length / spacing)));
@@ -143,7 +285,9 @@ std::vector<Vector3d> coil(double length, double spacing) {
     double gone = 0;
     Vector3d last = Vector3d::Zero();
     const auto pass = [&](double radius, double angle) {
-        const Vector3d next(radius * std::cos(angle), height, radius * std::sin(angle));
+        const double x = radius * std::cos(angle);
+        const double z = radius * std::sin(angle);
+        const Vector3d next(x, groundAt(x, z) + aboveGround, z);
         gone += points.empty() ? 0 : (next - last).norm();
         last = next;
         if (gone >= step * static_cast<double>(points.size()) && static_cast<int>(points.size()) <= count) {
@@ -173,33 +317,12 @@ std::vector<Vector3d> coil(double length, double spacing) {
 }
 
 Organ makeOrgan(btSoftBodyWorldInfo& info, const OrganSettings& settings) {
-    const int around = settings.around;
-    const std::vector<Vector3d> middles = coil(settings.length, 2 * std::numbers::pi * tubeRadius / around);
-    const auto rings = static_cast<double>(middles.size());
-    Plan plan;
-    addTube(plan, middles, around, tubeDensity * settings.length / (rings * around));
-    const std::size_t tubeTriangles = plan.faces.size();
-    addSheet(plan, middles, around, sheetDensity * sheetArea(middles) / (rings * sheetRows));
-
-    Organ organ;
-    organ.body = std::make_unique<btSoftBody>(&info, static_cast<int>(plan.points.size()), plan.points.data(),
-                                              plan.masses.data());
-    organ.rings = static_cast<int>(middles.size());
-    organ.around = around;
-    organ.tubeTriangles = tubeTriangles;
-    btSoftBody& body = *organ.body;
-    for (const auto& [a, b] : plan.links) {
-        body.appendLink(a, b);
-    }
-    for (const auto& face : plan.faces) {
-        body.appendFace(face[0], face[1], face[2]);
-    }
+    Builder builder(coil(settings.length, 2 * std::numbers::pi * tubeRadius / around), settings.fineness);
+    Organ organ = builder.build(info, settings.length);
+    btSoftBody& body = *organ.core;
     body.m_materials[0]->m_kLST = btScalar(0.8);
-    body.m_cfg.piterations = 6;
-    body.m_cfg.kDP = btScalar(0.02);
-    body.m_cfg.kDF = btScalar(0.2);
-    // Bodies of one's own meet without a flag; this one is for Bullet's own with rigid bodies.
-    body.m_cfg.collisions = btSoftBody::fCollision::SDF_RS;
+    // In its fluid nothing moves fast.
+    body.m_cfg.kDP = btScalar(0.25);
     body.updateConstants();
     return organ;
 }

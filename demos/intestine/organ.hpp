@@ -1,4 +1,5 @@
-// A small intestine on its mesentery as one soft body: a tube folded to and fro, and the sheet that it hangs on.
+// A small intestine on its mesentery: a tube folded to and fro, and the sheets between its folds that it hangs on. A
+// coarse soft body, and the smooth surface that it carries.
 //
 // This work is based on:
 // Laks Raghupathi et al. An Intestinal Surgery Simulator: Real-Time Collision Processing and Visualization. IEEE TVCG
@@ -13,27 +14,33 @@
 #include <memory>
 #include <vector>
 
+#include <soft/contact_projection.hpp>
+
 namespace grapeshot::intestine {
 
 struct OrganSettings {
-    double length = 18;  ///< of the tube along its middle, m: 4 to 60
-    int around = 12;     ///< vertices around the tube: even, 6 to 128; triangles grow with its square
+    double length = 18;  ///< of the tube along its middle, m: 4 to 50
+    int fineness = 1;    ///< pieces of the surface along each edge of the body that carries it: 1 to 16
 };
 
 constexpr double tubeRadius = 0.15;  // m
-constexpr double margin = 0.015;     // m
+constexpr double thickness = 0.02;   // m, of two layers in contact
+constexpr double rootRadius = 0.7;   // where the mesentery is fixed, m
+
+/// Height of the bowl in which it lies, m.
+[[nodiscard]] double groundAt(double x, double z);
 
 struct Organ {
-    std::unique_ptr<btSoftBody> body;  ///< nodes of the mesentery's root are fixed
-    int rings = 0;                     ///< ring i of the tube: the nodes [i * around, (i + 1) * around)
+    std::unique_ptr<btSoftBody> core;  ///< nodes of the mesentery's root are fixed
+    soft::CarriedSurface surface;
+    int rings = 0;  ///< ring i of the tube: the core's nodes [i * around, (i + 1) * around)
     int around = 0;
-    std::size_t tubeTriangles = 0;
 };
 
-/// The middle of the tube, in the plane of its start, evenly spaced by about `spacing` m.
+/// The middle of the tube, evenly spaced by about `spacing` m.
 [[nodiscard]] std::vector<Eigen::Vector3d> coil(double length, double spacing);
 
-/// Deterministic. O(triangles).
+/// Deterministic. No two layers are nearer than twice the thickness at the start. O(triangles).
 [[nodiscard]] Organ makeOrgan(btSoftBodyWorldInfo& info, const OrganSettings& settings);
 
 }  // namespace grapeshot::intestine

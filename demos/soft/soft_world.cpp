@@ -14,6 +14,8 @@
 #include <scenes/engine.hpp>
 #include <scenes/triangle_arrays.hpp>
 
+#include "carried_solver.hpp"
+
 namespace grapeshot::soft {
 
 using Eigen::Vector3d;
@@ -47,7 +49,9 @@ struct Rigid {
     bool driven = false;
 };
 struct Soft {
-    std::unique_ptr<btSoftBody> body;
+    std::unique_ptr<btSoftBody> own;
+    std::unique_ptr<CarriedBody> carried;
+    btSoftBody* body = nullptr;  // of either
     scenes::Colour colour;
 };
 
@@ -72,14 +76,22 @@ struct World::State {
     scenes::TimedDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
-    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    CarriedSolver softSolver{dispatcher};
+    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration, &softSolver};
     std::vector<std::unique_ptr<Rigid>> rigids;
     std::vector<Soft> softs;
+    std::unique_ptr<ExactPeer> exact;
+    double coverRadius = 0;  // m
+    int compareEvery = 0;    // steps
+    int steps = 0;
+    std::optional<ExactComparison> comparison;
+    double comparisonSeconds = 0;
 };
 
-World::World(Method method, std::uint64_t sampleSeed) : m_state(std::make_unique<State>(method)) {
+World::World(Method method, std::uint64_t sampleSeed, std::uint64_t work) : m_state(std::make_unique<State>(method)) {
     Settings settings = method == Method::exact ? Settings::exact() : Settings{};
     settings.seed = sampleSeed;
+    settings.pairBudget.work = method == Method::exact ? unlimited : work;
     scenes::install(method == Method::bullet ? scenes::Engine::none : scenes::Engine::grapeshot, m_state->dispatcher,
                     settings);
     const btVector3 gravity(0, btScalar(-9.81), 0);
@@ -94,11 +106,13 @@ World::World(Method method, std::uint64_t sampleSeed) : m_state(std::make_unique
 
 World::~World() {
     for (const Soft& soft : m_state->softs) {
-        static_cast<void>(removeSelfCollision(&m_state->dispatcher, soft.body.get()));  // those that have none too
-        m_state->world.removeSoftBody(soft.body.get());
+        static_cast<void>(removeSelfCollision(&m_state->dispatcher, soft.body));  // those that have none too
+        m_state->world.removeSoftBody(soft.body);
     }
     for (const auto& rigid : m_state->rigids) {
-        m_state->world.removeRigidBody(rigid->body.get());
+        if (rigid->body) {
+            m_state->world.removeRigidBody(rigid->body.get());
+        }
     }
 }
 
@@ -110,13 +124,46 @@ btSoftBody& World::add(std::unique_ptr<btSoftBody> body, double margin, const sc
     btSoftBody& added = *body;
     added.getCollisionShape()->setMargin(static_cast<btScalar>(margin));
     m_state->world.addSoftBody(&added);
-    m_state->softs.push_back({std::move(body), colour});
+    m_state->softs.push_back({std::move(body), nullptr, &added, colour});
     if (itself && m_state->method != Method::bullet) {
         if (const Status status = addSelfCollision(&m_state->dispatcher, &added); status != Status::ok) {
             throw Error(Fault::badSetting, std::string(grapeshot::name(status)), "addSelfCollision");
         }
     }
     return added;
+}
+
+btSoftBody& World::add(std::unique_ptr<CarriedBody> body, const SelfCollision& itself, const scenes::Colour& colour) {
+    btSoftBody& surface = body->surface();
+    surface.getCollisionShape()->setMargin(btScalar(0.5F * itself.thickness));
+    m_state->world.addSoftBody(&surface);
+    m_state->softSolver.add(*body);
+    m_state->softs.push_back({nullptr, std::move(body), &surface, colour});
+    if (const Status status = addSelfCollision(&m_state->dispatcher, &surface, itself); status != Status::ok) {
+        throw Error(Fault::badSetting, std::string(grapeshot::name(status)), "addSelfCollision");
+    }
+    m_state->exact = std::make_unique<ExactPeer>(surface, itself);
+    m_state->softSolver.whenFound = [state = m_state.get()](const btSoftBody& found,
+                                                            const std::vector<SoftContact>& contacts) {
+        if (state->compareEvery > 0 && state->steps % state->compareEvery == 0) {
+            const double begin = report::threadCpuUs();
+            state->comparison = state->exact->compare(found, contacts, state->coverRadius);
+            state->comparisonSeconds = 1e-6 * (report::threadCpuUs() - begin);
+        }
+    };
+    return surface;
+}
+
+void World::compareEvery(int steps, double radius) {
+    m_state->compareEvery = steps;
+    m_state->coverRadius = radius;
+}
+
+void World::addScenery(const scenes::Mesh& mesh, const scenes::Colour& colour) {
+    auto rigid = std::make_unique<Rigid>();
+    rigid->mesh = mesh;
+    rigid->colour = colour;
+    m_state->rigids.push_back(std::move(rigid));
 }
 
 std::size_t World::add(const scenes::Mesh& mesh, const scenes::PoseD& pose, bool driven, const scenes::Colour& colour) {
@@ -161,11 +208,15 @@ StepRecord World::step() {
             rigid->body->setAngularVelocity(toBullet(turn.axis() * (turn.angle() / timeStep)));
         }
     }
+    ++state.steps;
+    state.comparison.reset();
+    state.comparisonSeconds = 0;
     state.dispatcher.resetClock();
     const double begin = report::threadCpuUs();
     state.world.stepSimulation(static_cast<btScalar>(timeStep), 0);
     StepRecord record;
-    record.seconds = 1e-6 * (report::threadCpuUs() - begin);
+    record.seconds = 1e-6 * (report::threadCpuUs() - begin) - state.comparisonSeconds;
+    record.exact = state.comparison;
     record.detectionSeconds = state.dispatcher.cpuSeconds();
     for (const auto& rigid : state.rigids) {
         if (rigid->driven) {
@@ -176,6 +227,11 @@ StepRecord World::step() {
         }
     }
     for (const Soft& soft : state.softs) {
+        if (soft.carried) {
+            record.force += soft.carried->impulseOnRigid().norm() / timeStep;
+            record.contacts += soft.carried->contacts();
+            record.contactsOfSelf += soft.carried->contacts() - soft.carried->contactsWithRigid();
+        }
         record.contactsOfSelf += soft.body->m_scontacts.size();
         record.contacts += soft.body->m_scontacts.size() + soft.body->m_rcontacts.size();
     }

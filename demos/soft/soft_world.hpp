@@ -4,7 +4,9 @@
 #include <BulletSoftBody/btSoftBody.h>
 
 #include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -12,7 +14,9 @@
 #include <scenes/shapes.hpp>
 #include <scenes/true_penetration.hpp>
 
+#include "carried_body.hpp"
 #include "crossings.hpp"
+#include "exact_peer.hpp"
 
 namespace grapeshot::soft {
 
@@ -35,12 +39,13 @@ struct StepRecord {
     int sampled = 0;              ///< pairs that were tracked and sampled
     double missBound = 0;         ///< the worst of these, share; infinite: the budget ended before it was known
     double force = 0;             ///< on the driven body: its impulses over the step, N
+    std::optional<ExactComparison> exact;
 };
 
 class World {
   public:
-    /// @param seed of the samples
-    explicit World(Method method, std::uint64_t seed);
+    /// @param seed of the samples @param work units that a pair, or a body with itself, may have in a step
+    World(Method method, std::uint64_t seed, std::uint64_t work = std::numeric_limits<std::uint64_t>::max());
     ~World();
     World(const World&) = delete;
     World& operator=(const World&) = delete;
@@ -49,6 +54,14 @@ class World {
     [[nodiscard]] btSoftBodyWorldInfo& info();
     /// @param margin m @param itself collides with itself, where the method can do that
     btSoftBody& add(std::unique_ptr<btSoftBody> body, double margin, const scenes::Colour& colour, bool itself);
+    /// A carried surface that collides with itself, unless the method is Bullet's: then its core alone, with Bullet's
+    /// contacts.
+    btSoftBody& add(std::unique_ptr<CarriedBody> body, const SelfCollision& itself, const scenes::Colour& colour);
+    /// In every such step the carried surface is searched to the end, too, and what was reported is compared with it.
+    /// The time of that is not counted. @param radius within which a contact counts as reported, m
+    void compareEvery(int steps, double radius);
+    /// Only to be seen.
+    void addScenery(const scenes::Mesh& mesh, const scenes::Colour& colour);
     /// A static mesh, or (driven) one that follows `drive` whatever is in its way.
     std::size_t add(const scenes::Mesh& mesh, const scenes::PoseD& pose, bool driven, const scenes::Colour& colour);
     /// Where the body will be at the end of the next step.

@@ -41,6 +41,7 @@ void SoftLoop::run(Context& context) {
         task.distance =
             self.how.thickness > 0 ? self.how.thickness : static_cast<float>(2 * body.getCollisionShape()->getMargin());
         task.exclusion = self.how.exclusion;
+        task.spacing = self.how.spacing;
         task.budget = softBudget(context);
         reportSoftPair(context, body, body, self.pair->process(body, body, task), task.budget);
     }

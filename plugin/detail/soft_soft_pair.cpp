@@ -163,7 +163,8 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     const SurfaceInStep second = inStep(m_itself ? m_a : m_b);
     NearSettings settings;
     settings.distance = task.distance;
-    settings.spacing = 0.5F * std::min(m_a.surface->meanEdge, m_b.surface->meanEdge);
+    settings.spacing =
+        task.spacing > 0 ? task.spacing : 0.5F * std::min(m_a.surface->meanEdge, m_b.surface->meanEdge);
     settings.exclusion = task.exclusion;
     settings.seed = m_context.settings.seed;
     settings.pair = task.key;
@@ -223,9 +224,10 @@ void SoftSoftPair::appendContacts(const btSoftBody& body, std::vector<SoftContac
     for (const SoftSurfaceContact& contact : m_contacts) {
         SoftContact told = isA ? toldOf(contact.a, contact.weightsA, mine.surface->nodes)
                                : toldOf(contact.b, contact.weightsB, mine.surface->nodes);
-        told.otherNodes = (isA ? toldOf(contact.b, contact.weightsB, other.surface->nodes)
-                               : toldOf(contact.a, contact.weightsA, other.surface->nodes))
-                              .nodes;
+        const SoftContact others = isA ? toldOf(contact.b, contact.weightsB, other.surface->nodes)
+                                       : toldOf(contact.a, contact.weightsA, other.surface->nodes);
+        told.otherNodes = others.nodes;
+        told.otherWeights = others.weights;
         told.other = other.body;
         told.normal = isA ? contact.normal : Eigen::Vector3f(-contact.normal);
         told.distance = contact.before;

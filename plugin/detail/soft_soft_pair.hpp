@@ -17,6 +17,7 @@ struct SoftSoftTask {
     std::uint64_t key = 0;
     float distance = 0;   ///< m, at which they touch
     float exclusion = 0;  ///< m, of one with itself: see TrackSettings
+    float spacing = 0;    ///< m; 0: half an edge
     Budget budget;
 };
 

@@ -1,0 +1,154 @@
+#include "carried_body.hpp"
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace grapeshot::soft {
+
+using Eigen::Vector3d;
+
+namespace {
+
+Vector3d toEigen(const btVector3& v) {
+    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+btVector3 toBullet(const Vector3d& v) {
+    return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+}
+
+}  // namespace
+
+CarriedBody::CarriedBody(btSoftBodyWorldInfo& info, std::unique_ptr<btSoftBody> core, CarriedSurface surface,
+                         const CarriedSettings& settings)
+    : m_core(std::move(core)), m_carried(std::move(surface)), m_settings(settings) {
+    m_core->m_cfg.piterations = 1;
+    readCore();
+    std::vector<btVector3> points(m_carried.vertices(), btVector3(0, 0, 0));
+    const std::vector<btScalar> fixed(points.size(), 0);
+    m_surface = std::make_unique<btSoftBody>(&info, static_cast<int>(points.size()), points.data(), fixed.data());
+    for (const Triangle& t : m_carried.triangles) {
+        m_surface->appendFace(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
+    }
+    place(true);
+}
+
+void CarriedBody::readCore() {
+    const int count = m_core->m_nodes.size();
+    m_nodes.before.resize(static_cast<std::size_t>(count));
+    m_nodes.now.resize(m_nodes.before.size());
+    m_nodes.inverseMass.resize(m_nodes.before.size());
+    for (int i = 0; i < count; ++i) {
+        const btSoftBody::Node& node = m_core->m_nodes[i];
+        const auto at = static_cast<std::size_t>(i);
+        m_nodes.before[at] = toEigen(node.m_q);
+        m_nodes.now[at] = toEigen(node.m_x);
+        m_nodes.inverseMass[at] = static_cast<double>(node.m_im);
+    }
+}
+
+void CarriedBody::writeCore() {
+    for (int i = 0; i < m_core->m_nodes.size(); ++i) {
+        m_core->m_nodes[i].m_x = toBullet(m_nodes.now[static_cast<std::size_t>(i)]);
+    }
+}
+
+/// From m_nodes.
+void CarriedBody::place(bool alsoBefore) {
+    const auto big = btScalar(1e18);
+    btVector3 low(big, big, big), high(-big, -big, -big);
+    std::uint32_t k = 0;
+    for (std::uint32_t v = 0; v < m_carried.vertices(); ++v) {
+        Vector3d now = Vector3d::Zero();
+        Vector3d before = Vector3d::Zero();
+        for (; k < m_carried.ends[v]; ++k) {
+            const auto weight = static_cast<double>(m_carried.shares[k].weight);
+            now += weight * m_nodes.now[m_carried.shares[k].node];
+            before += weight * m_nodes.before[m_carried.shares[k].node];
+        }
+        btSoftBody::Node& node = m_surface->m_nodes[static_cast<int>(v)];
+        node.m_x = toBullet(now);
+        low.setMin(node.m_x);
+        high.setMax(node.m_x);
+        if (alsoBefore) {
+            node.m_q = toBullet(before);
+            low.setMin(node.m_q);
+            high.setMax(node.m_q);
+        }
+    }
+    const auto margin = m_surface->getCollisionShape()->getMargin();
+    m_surface->m_bounds[0] = low - btVector3(margin, margin, margin);
+    m_surface->m_bounds[1] = high + btVector3(margin, margin, margin);
+    if (btBroadphaseProxy* proxy = m_surface->getBroadphaseHandle()) {
+        btSoftBodyWorldInfo& info = *m_surface->getWorldInfo();
+        info.m_broadphase->setAabb(proxy, m_surface->m_bounds[0], m_surface->m_bounds[1], info.m_dispatcher);
+    }
+}
+
+void CarriedBody::predict(btScalar seconds) {
+    m_core->predictMotion(seconds);
+    readCore();
+    place(true);
+}
+
+void CarriedBody::keepAboveGround() {
+    if (!m_settings.ground) {
+        return;
+    }
+    constexpr double step = 1e-3;  // m
+    for (std::size_t i = 0; i < m_nodes.now.size(); ++i) {
+        Vector3d& at = m_nodes.now[i];
+        const double ground = m_settings.ground(at.x(), at.z());
+        if (!(m_nodes.inverseMass[i] > 0) || !(at.y() < ground + m_settings.thickness)) {
+            continue;
+        }
+        const Vector3d normal = Vector3d(-(m_settings.ground(at.x() + step, at.z()) - ground) / step, 1,
+                                         -(m_settings.ground(at.x(), at.z() + step) - ground) / step)
+                                    .normalized();
+        const double push = (ground + m_settings.thickness - at.y()) * normal.y();
+        at += push * normal;
+        Vector3d way = at - m_nodes.before[i];
+        way -= way.dot(normal) * normal;
+        const double length = way.norm();
+        at -= length > 0 ? Vector3d(std::min(length, m_settings.friction * push) / length * way) : Vector3d::Zero();
+    }
+}
+
+void CarriedBody::solve(const std::vector<SurfaceContact>& contacts, btScalar seconds) {
+    m_contacts = static_cast<int>(contacts.size());
+    m_contactsWithRigid = static_cast<int>(
+        std::count_if(contacts.begin(), contacts.end(), [](const SurfaceContact& contact) { return contact.rigid; }));
+    readCore();
+    m_projection.read(m_carried, contacts, m_nodes, m_settings.thickness);
+    for (int round = 0; round < m_settings.rounds; ++round) {
+        m_core->solveConstraints();
+        for (int i = 0; i < m_core->m_nodes.size(); ++i) {
+            m_nodes.now[static_cast<std::size_t>(i)] = toEigen(m_core->m_nodes[i].m_x);
+        }
+        keepAboveGround();
+        m_projection.pass(m_nodes);
+        writeCore();
+    }
+    for (int i = 0; i < m_settings.contactPasses; ++i) {
+        m_projection.pass(m_nodes);
+    }
+    m_projection.rub(m_nodes, m_settings.friction);
+    for (std::size_t i = 0; i < m_nodes.now.size(); ++i) {
+        const Vector3d way = m_nodes.now[i] - m_nodes.before[i];
+        const double length = way.norm();
+        if (length > m_settings.largestStep) {
+            m_nodes.now[i] = m_nodes.before[i] + m_settings.largestStep / length * way;
+        }
+    }
+    writeCore();
+    const btScalar perSecond = (1 - m_core->m_cfg.kDP) / seconds;
+    for (int i = 0; i < m_core->m_nodes.size(); ++i) {
+        btSoftBody::Node& node = m_core->m_nodes[i];
+        node.m_v = perSecond * (node.m_x - node.m_q);
+    }
+    m_impulse = m_projection.pushOnRigid() / static_cast<double>(seconds);
+    place(false);
+}
+
+}  // namespace grapeshot::soft
