@@ -23,13 +23,13 @@ scenes::Mesh cavity(int cells) {
     return mesh;
 }
 
-/// Beside the middle of a strand as it lies now.
-Operation operationOn(const StrandWatch& strands, double share) {
-    const Eigen::Vector3d at = strands.middleAt(share);
-    Eigen::Vector3d along = strands.middleAt(share + 0.01) - strands.middleAt(share - 0.01);
+/// Beside a strand as it lies now, where no sheet is.
+Operation operationOn(const StrandWatch& strands, int ring) {
+    const Eigen::Vector3d at = strands.middleOf(ring);
+    Eigen::Vector3d along = strands.middleOf(ring + 3) - strands.middleOf(ring - 3);
     along.y() = 0;
     Operation operation;
-    operation.aside = Eigen::Vector3d::UnitY().cross(along.normalized());
+    operation.aside = along.normalized().cross(Eigen::Vector3d::UnitY());
     operation.spot = at - (tubeRadius + 0.12) * operation.aside;
     operation.spot.y() = std::max(at.y() - tubeRadius, groundAt(operation.spot.x(), operation.spot.z()) + 0.08);
     return operation;
@@ -61,18 +61,20 @@ soft::Scene makeScene(soft::Method method, const IntestineOptions& settings, con
     itself.spacing = 0.02F;
     world.add(std::move(carried), itself, {0.86F, 0.52F, 0.50F});
     world.compareEvery(settings.compareEvery, coverRadius);
+    const int ring = organ.strand;
     const auto strands = std::make_shared<StrandWatch>(body, organ.rings, organ.around);
-    const auto operation = std::make_shared<Operation>(operationOn(*strands, 0.45));
+    const auto operation = std::make_shared<Operation>(operationOn(*strands, ring));
     const std::size_t tool = world.add(hook(12), instrumentPose(0, *operation), true, {0.55F, 0.60F, 0.68F});
-    scene.beforeStep = [&world, tool, strands, operation, chosen = false, steps = options.steps](int step) mutable {
+    scene.beforeStep = [&world, tool, strands, operation, ring, chosen = false, steps = options.steps](int step) mutable {
         const double progress = static_cast<double>(step + 1) / steps;
         if (!chosen) {
-            *operation = operationOn(*strands, 0.45);
+            *operation = operationOn(*strands, ring);
             chosen = progress > begin;
         }
         world.drive(tool, instrumentPose(progress, *operation));
     };
     scene.wrong = [strands] { return strands->passed(); };
+    scene.apart = 2 * tubeRadius;
     scene.wrongName = "strands that passed through each other";
     return scene;
 }

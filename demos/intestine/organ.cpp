@@ -16,13 +16,14 @@ using soft::splineRow;
 
 namespace {
 
-constexpr double steepness = 0.05;  // 1 / m
-constexpr double folds = 3.6;       // strands per radian; they lie on rays from the middle
+constexpr double steepness = 0.04;  // 1 / m
+constexpr double folds = 3;         // strands per radian; they lie on rays from the middle
 constexpr double innerTurn = 1.7;   // where strands end, m; half circles join them
 constexpr double outerTurn = 3.6;
+constexpr double firstEnd = 1.45;  // m, of the first strand
 constexpr double aboveGround = 0.22;  // of the tube's middle, m
 constexpr int around = 12;            // nodes around the tube; a multiple of four
-constexpr int across = 6;             // cells of a sheet from strand to strand
+constexpr int across = 4;             // cells of a sheet from strand to strand
 constexpr int facing = around / 4;    // where the sheet comes in: on the sides of a fold that face each other
 constexpr double slack = 0.04;        // of a sheet, m
 constexpr double narrowest = 0.2;     // a sheet ends where the turn leaves it less room, m
@@ -184,7 +185,7 @@ bool Builder::addSheet(int tip) {
     const int rows = std::max(2, static_cast<int>(std::lround(way / cell)));
     for (int i = 1; i <= rows; ++i) {
         const double t = static_cast<double>(i) / rows;
-        const double narrow = 0.5 * (0.35 * std::min(1.0, 3 * t));
+        const double narrow = 0.25 * std::min(1.0, 4 * t);
         const auto moved = [&](const Vector3d& start, const Vector3d& other) {
             Vector3d place = start + narrow * (other - start) + t * way * inward;
             place.y() = (1 - t) * start.y() + t * (groundAt(rootRadius, 0) + aboveGround);
@@ -207,6 +208,21 @@ bool Builder::addSheet(int tip) {
                     link(grid[i][c], grid[i + 1][c + 1]);
                     link(grid[i][c + 1], grid[i + 1][c]);
                 }
+            }
+            // Against folds that are sharper than its cells.
+            if (c + 2 <= across) {
+                link(grid[i][c], grid[i][c + 2]);
+            }
+            if (i + 2 < grid.size()) {
+                link(grid[i][c], grid[i + 2][c]);
+            }
+        }
+        // Its coat goes on around the tube.
+        const int d = first + static_cast<int>(i);
+        for (const int aside : {-2, 2}) {
+            if (d <= last) {
+                link(grid[i][1], at(tip - d, facing + aside));
+                link(grid[i][across - 1], at(tip + d, facing + aside));
             }
         }
     }
@@ -267,6 +283,13 @@ Organ Builder::build(btSoftBodyWorldInfo& info, double length) {
     organ.surface = std::move(m_surface);
     organ.rings = m_rings;
     organ.around = around;
+    const double half = 0.5 * (innerTurn + outerTurn);
+    for (int i = 1; i < m_rings; ++i) {
+        if (radiusOf(i - 1) < half && radiusOf(i) >= half &&
+            std::abs(2 * i - m_rings) < std::abs(2 * organ.strand - m_rings)) {
+            organ.strand = i;
+        }
+    }
     return organ;
 }
 
@@ -296,7 +319,7 @@ std::vector<Vector3d> coil(double length, double spacing) {
     };
     for (int strand = 0; static_cast<int>(points.size()) <= count; ++strand) {
         const bool outward = strand % 2 == 0;
-        const double from = outward ? innerTurn : outerTurn;
+        const double from = strand == 0 ? firstEnd : (outward ? innerTurn : outerTurn);
         const double to = outward ? outerTurn : innerTurn;
         const double angle = (2 * strand + 1) * half;
         for (int i = 0; i < pieces; ++i) {

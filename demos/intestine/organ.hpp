@@ -19,7 +19,7 @@
 namespace grapeshot::intestine {
 
 struct OrganSettings {
-    double length = 18;  ///< of the tube along its middle, m: 4 to 50
+    double length = 30;  ///< of the tube along its middle, m: 4 to 50
     int fineness = 1;    ///< pieces of the surface along each edge of the body that carries it: 1 to 16
 };
 
@@ -35,6 +35,7 @@ struct Organ {
     soft::CarriedSurface surface;
     int rings = 0;  ///< ring i of the tube: the core's nodes [i * around, (i + 1) * around)
     int around = 0;
+    int strand = 0;  ///< ring in the middle of an outward strand, as near to the tube's middle as can be
 };
 
 /// The middle of the tube, evenly spaced by about `spacing` m.

@@ -43,10 +43,6 @@ Vector3d StrandWatch::middleOf(int ring) const {
     return sum / m_around;
 }
 
-Vector3d StrandWatch::middleAt(double share) const {
-    return middleOf(std::clamp(static_cast<int>(share * m_rings), 0, m_rings - 1));
-}
-
 std::size_t StrandWatch::passed() {
     const int stride = std::max(1, m_around / 6);
     std::vector<Vector3d> points;

@@ -20,13 +20,11 @@ class StrandWatch {
     /// turned about while they were within a tube's radius. O(n^2) in the pieces, each about a radius long; no-number
     /// pieces count as nothing (the nodes are counted as lost).
     std::size_t passed();
-    /// The tube's middle as it lies now. @param share of its length, 0 to 1
-    [[nodiscard]] Eigen::Vector3d middleAt(double share) const;
+    /// The middle of a ring as it lies now. @pre 0 <= ring < rings
+    [[nodiscard]] Eigen::Vector3d middleOf(int ring) const;
     [[nodiscard]] double nearest() const { return m_nearest; }  ///< distance of two strands' middles so far, m
 
   private:
-    [[nodiscard]] Eigen::Vector3d middleOf(int ring) const;
-
     const btSoftBody* m_body;
     int m_rings;
     int m_around;

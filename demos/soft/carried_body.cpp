@@ -25,7 +25,10 @@ CarriedBody::CarriedBody(btSoftBodyWorldInfo& info, std::unique_ptr<btSoftBody> 
     : m_core(std::move(core)), m_carried(std::move(surface)), m_settings(settings) {
     m_core->m_cfg.piterations = 1;
     readCore();
-    std::vector<btVector3> points(m_carried.vertices(), btVector3(0, 0, 0));
+    std::vector<btVector3> points;
+    for (std::uint32_t v = 0; v < m_carried.vertices(); ++v) {
+        points.push_back(toBullet(placeOf(v, m_nodes.now)));
+    }
     const std::vector<btScalar> fixed(points.size(), 0);
     m_surface = std::make_unique<btSoftBody>(&info, static_cast<int>(points.size()), points.data(), fixed.data());
     for (const Triangle& t : m_carried.triangles) {
@@ -54,25 +57,25 @@ void CarriedBody::writeCore() {
     }
 }
 
+Vector3d CarriedBody::placeOf(std::uint32_t vertex, const std::vector<Vector3d>& nodes) const {
+    Vector3d place = Vector3d::Zero();
+    for (std::uint32_t k = m_carried.begin(vertex); k < m_carried.ends[vertex]; ++k) {
+        place += static_cast<double>(m_carried.shares[k].weight) * nodes[m_carried.shares[k].node];
+    }
+    return place;
+}
+
 /// From m_nodes.
 void CarriedBody::place(bool alsoBefore) {
     const auto big = btScalar(1e18);
     btVector3 low(big, big, big), high(-big, -big, -big);
-    std::uint32_t k = 0;
     for (std::uint32_t v = 0; v < m_carried.vertices(); ++v) {
-        Vector3d now = Vector3d::Zero();
-        Vector3d before = Vector3d::Zero();
-        for (; k < m_carried.ends[v]; ++k) {
-            const auto weight = static_cast<double>(m_carried.shares[k].weight);
-            now += weight * m_nodes.now[m_carried.shares[k].node];
-            before += weight * m_nodes.before[m_carried.shares[k].node];
-        }
         btSoftBody::Node& node = m_surface->m_nodes[static_cast<int>(v)];
-        node.m_x = toBullet(now);
+        node.m_x = toBullet(placeOf(v, m_nodes.now));
         low.setMin(node.m_x);
         high.setMax(node.m_x);
         if (alsoBefore) {
-            node.m_q = toBullet(before);
+            node.m_q = toBullet(placeOf(v, m_nodes.before));
             low.setMin(node.m_q);
             high.setMax(node.m_q);
         }

@@ -114,10 +114,10 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> edgesOf(const Surface& surf
 
 }  // namespace
 
-std::size_t crossings(const Surface& edges, const Surface& faces) {
+std::vector<CrossedEdge> crossedEdges(const Surface& edges, const Surface& faces) {
     const bool same = &edges == &faces;
     const Grid grid = gridOf(faces);
-    std::size_t count = 0;
+    std::vector<CrossedEdge> crossed;
     std::vector<std::uint32_t> near;
     for (const auto& [first, second] : edgesOf(edges)) {
         const Vector3d& from = edges.points[first];
@@ -136,10 +136,16 @@ std::size_t crossings(const Surface& edges, const Surface& faces) {
             const bool shared = same && std::any_of(t.begin(), t.end(), [&, a = first, b = second](std::uint32_t i) {
                                     return i == a || i == b;
                                 });
-            count += !shared && meet(from, to, faces.points[t[0]], faces.points[t[1]], faces.points[t[2]]) ? 1 : 0;
+            if (!shared && meet(from, to, faces.points[t[0]], faces.points[t[1]], faces.points[t[2]])) {
+                crossed.push_back({first, second, triangle});
+            }
         }
     }
-    return count;
+    return crossed;
+}
+
+std::size_t crossings(const Surface& edges, const Surface& faces) {
+    return crossedEdges(edges, faces).size();
 }
 
 std::size_t crossingsOfBoth(const Surface& a, const Surface& b) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <grapeshot/core/mesh_view.hpp>
@@ -16,9 +17,14 @@ struct Surface {
     std::vector<Triangle> triangles;
 };
 
-/// Pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same surface
+/// An edge's ends, and the triangle that it passes through.
+struct CrossedEdge {
+    std::uint32_t from, to, triangle;
+};
+/// All pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same surface
 /// twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle; triangles
 /// with points that are no numbers, farther than 1 km or larger than 4 m are passed over.
+[[nodiscard]] std::vector<CrossedEdge> crossedEdges(const Surface& edges, const Surface& faces);
 [[nodiscard]] std::size_t crossings(const Surface& edges, const Surface& faces);
 
 /// Edges of one through triangles of the other, both ways.

@@ -32,6 +32,7 @@ struct Scene {
     /// What the scene itself can tell is wrong after each step: may be empty. Counts add up over the steps.
     std::function<std::size_t()> wrong;
     std::string wrongName;             ///< of what it counts
+    double apart = 0;                  ///< m, > 0: what was farther from each other at rest is counted by itself
     std::size_t toleratedTangle = 0;   ///< crossings of the soft bodies with each other at the end, edges
     std::size_t toleratedPierced = 0;  ///< the same with rigid meshes
 };

@@ -1,5 +1,6 @@
 #include "exact_peer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -74,13 +75,24 @@ ExactPeer::ExactPeer(const btSoftBody& surface, const SelfCollision& how) {
     m_tree = std::make_unique<BallTree>(buildBallTree({rest, triangles}));
     m_tracker = std::make_unique<Tracker>(*m_tree);
     m_settings.mode = TrackMode::exact;
-    m_settings.maxDistance = how.thickness;
+    m_settings.maxDistance = 1.5F * how.thickness;
     m_settings.exclusion = how.exclusion;
+    m_tracker->step(SurfaceState{rest, std::nullopt, Stretch::measured(), {}}, m_settings, Budget{}, m_found);
+    for (const TrackedContact& contact : m_found.contacts) {
+        m_neighbours.push_back(contact.pair);
+    }
+    std::ranges::sort(m_neighbours);
+    m_thickness = how.thickness;
 }
 
 ExactComparison ExactPeer::compare(const btSoftBody& surface, const std::vector<SoftContact>& reported,
                                    double radius) {
     const std::vector<Vector3f> positions = positionsOf(surface);
+    float way = 0;
+    for (int i = 0; i < surface.m_nodes.size(); ++i) {
+        way = std::max(way, static_cast<float>((surface.m_nodes[i].m_x - surface.m_nodes[i].m_q).length()));
+    }
+    m_settings.maxDistance = m_thickness + 2 * way;
     const double begin = report::threadCpuUs();
     m_tracker->step(SurfaceState{positions, std::nullopt, Stretch::measured(), {}}, m_settings, Budget{}, m_found);
     ExactComparison result;
@@ -102,6 +114,9 @@ ExactComparison ExactPeer::compare(const btSoftBody& surface, const std::vector<
         near.add(middle);
     }
     for (const TrackedContact& contact : m_found.contacts) {
+        if (contact.signedDistance > m_thickness || std::ranges::binary_search(m_neighbours, contact.pair)) {
+            continue;
+        }
         ++result.contacts;
         result.covered += near.has(0.5F * (contact.onA + contact.onB)) ? 1 : 0;
     }

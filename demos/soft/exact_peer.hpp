@@ -12,13 +12,15 @@
 namespace grapeshot::soft {
 
 struct ExactComparison {
-    double seconds = 0;       ///< of this thread's processor time, of the traversal alone
-    std::size_t contacts = 0;  ///< pairs of triangles within the distance
+    /// Of this thread's processor time: of the traversal alone, for all that may touch within the step.
+    double seconds = 0;
+    std::size_t contacts = 0;  ///< pairs of triangles within the thickness at its end
     std::size_t covered = 0;   ///< of these, with a reported contact within the radius
 };
 
 class ExactPeer {
   public:
+    /// What is within one and a half times the thickness at rest is a neighbour, and no contact.
     /// @param surface as it stands now, at rest @param how as the surface collides with itself: thickness and exclusion
     ExactPeer(const btSoftBody& surface, const SelfCollision& how);
 
@@ -29,7 +31,9 @@ class ExactPeer {
     std::unique_ptr<BallTree> m_tree;
     std::unique_ptr<Tracker> m_tracker;
     TrackSettings m_settings;
+    float m_thickness = 0;  // m
     TrackResult m_found;
+    std::vector<TrianglePair> m_neighbours;  // ascending
 };
 
 }  // namespace grapeshot::soft

@@ -48,6 +48,20 @@ std::size_t tangle(const World& world) {
     return count;
 }
 
+std::size_t tangleOfApart(const World& world, const std::vector<Surface>& rest, double distance) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < world.softBodies(); ++i) {
+        const Surface now = world.softSurface(i);
+        const std::vector<Eigen::Vector3d>& points = rest[i].points;
+        for (const CrossedEdge& crossed : crossedEdges(now, now)) {
+            const Eigen::Vector3d edge = 0.5 * (points[crossed.from] + points[crossed.to]);
+            const Triangle& t = now.triangles[crossed.triangle];
+            count += (edge - (points[t[0]] + points[t[1]] + points[t[2]]) / 3).norm() > distance ? 1 : 0;
+        }
+    }
+    return count;
+}
+
 std::size_t pierced(const World& world) {
     std::size_t count = 0;
     for (const Surface& surface : softSurfaces(world)) {
@@ -61,6 +75,13 @@ std::size_t pierced(const World& world) {
 void JudgedRun::judge() {
     lastTangle = tangle(*scene.world);
     lastPierced = pierced(*scene.world);
+    if (rest.empty()) {
+        rest = softSurfaces(*scene.world);
+    }
+    if (scene.apart > 0) {
+        lastApart = lastTangle > 0 ? tangleOfApart(*scene.world, rest, scene.apart) : 0;
+        worstApart = std::max(worstApart, lastApart);
+    }
     worstTangle = std::max(worstTangle, lastTangle);
     worstPierced = std::max(worstPierced, lastPierced);
     lost = lostNodes(*scene.world, farAway);
@@ -148,6 +169,39 @@ scenes::Canvas frameTimes(const std::vector<const JudgedRun*>& runs) {
     return scenes::draw(plot);
 }
 
+namespace {
+
+/// Detection beside a search to the end, in the same steps.
+void appendComparison(report::Report& report, const JudgedRun& run) {
+    std::vector<double> ours, exact;
+    double contacts = 0, covered = 0;
+    for (const StepRecord& record : run.records) {
+        if (record.exact && record.exact->contacts > 0) {
+            ours.push_back(1e6 * record.detectionSeconds);
+            exact.push_back(1e6 * record.exact->seconds);
+            contacts += static_cast<double>(record.exact->contacts);
+            covered += static_cast<double>(record.exact->covered);
+        }
+    }
+    if (ours.empty()) {
+        return;
+    }
+    report::Row row;
+    row.scenario = run.scene.name + ", detection in one step";
+    row.triangles = run.scene.world->triangles();
+    row.method = name(run.scene.world->method());
+    row.peer = "exact traversal alone";
+    row.n = ours.size();
+    row.timeUs = report::quantiles(ours);
+    row.ratio = report::quantiles(exact).mean / row.timeUs.mean;
+    row.measured = {{"exact us", report::quantiles(exact).mean},
+                    {"contacts within the thickness", contacts},
+                    {"coverage", covered / contacts}};
+    report.rows.push_back(row);
+}
+
+}  // namespace
+
 void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* other) {
     const Frames frames = framesOf(run);
     const auto n = static_cast<double>(run.records.size());
@@ -177,7 +231,11 @@ void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* oth
     row.measured = {{"frames over 33 ms", late},
                     {"largest force N", force},
                     {"tangled edges, worst", static_cast<double>(run.worstTangle)},
-                    {"pierced edges, worst", static_cast<double>(run.worstPierced)}};
+                    {"pierced edges, worst", static_cast<double>(run.worstPierced)},
+                    {"tangled at the end", static_cast<double>(run.lastTangle)}};
+    if (run.scene.apart > 0) {
+        row.measured.emplace_back("of what was apart, worst", static_cast<double>(run.worstApart));
+    }
     row.curves = {{"force N", forces}};
     report.rows.push_back(row);
 
@@ -196,6 +254,7 @@ void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* oth
     }
     report.rows.push_back(detection);
 
+    appendComparison(report, run);
     if (run.scene.world->method() != Method::grapeshot) {
         return;  // what others lose is told, not claimed
     }
@@ -204,6 +263,9 @@ void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* oth
             {run.scene.name + ": " + what, static_cast<double>(value), false, static_cast<double>(bound)});
     };
     claim("nodes lost", run.lost, 0);
+    if (run.scene.apart > 0) {
+        claim("edges through what was apart at rest, at the end", run.lastApart, 0);
+    }
     claim("tangled edges at the end", run.lastTangle, run.scene.toleratedTangle);
     claim("edges through rigid meshes at the end", run.lastPierced, run.scene.toleratedPierced);
     if (run.scene.wrong) {

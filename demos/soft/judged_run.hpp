@@ -11,6 +11,8 @@ namespace grapeshot::soft {
 [[nodiscard]] std::size_t lostNodes(const World& world, double limit);
 /// Edges through triangles: of the soft bodies, each with itself and with the others.
 [[nodiscard]] std::size_t tangle(const World& world);
+/// Of these, of one body with itself, those that were farther apart than `distance` (m) in `rest`.
+[[nodiscard]] std::size_t tangleOfApart(const World& world, const std::vector<Surface>& rest, double distance);
 /// The same of the soft bodies with the rigid meshes.
 [[nodiscard]] std::size_t pierced(const World& world);
 
@@ -24,6 +26,8 @@ struct JudgedRun {
     std::vector<StepRecord> records;
     std::size_t wrong = 0;
     std::size_t worstTangle = 0, lastTangle = 0;
+    std::size_t worstApart = 0, lastApart = 0;
+    std::vector<Surface> rest;  ///< as they were at the first judgement
     std::size_t worstPierced = 0, lastPierced = 0;
     std::size_t lost = 0;  ///< nodes, at the last judgement
 };
