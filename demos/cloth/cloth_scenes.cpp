@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <utility>
 
 namespace grapeshot::cloth {
 
@@ -151,7 +153,16 @@ soft::Scene garment(soft::Method method, const ClothSettings& settings, const so
     soft::World& world = *scene.world;
     const std::size_t body = world.add(torso(36, 40), {}, true, stone);
     world.add(scenes::grid(6, 6, 24, 24), {Eigen::Matrix3d::Identity(), {0, -0.3, 0}}, false, {0.86F, 0.85F, 0.82F});
-    world.add(dress(world.info(), settings.nodes * 2), margin, red, true);
+    soft::CarriedSettings carrying;
+    carrying.thickness = 2 * margin;
+    carrying.largestStep = 0.03;
+    carrying.friction = 0.3;
+    std::unique_ptr<btSoftBody> cloth = dress(world.info(), settings.nodes * 2);
+    soft::CarriedSurface surface = soft::ownSurface(*cloth);
+    SelfCollision itself;
+    itself.thickness = static_cast<float>(2 * margin);
+    world.add(std::make_unique<soft::CarriedBody>(world.info(), std::move(cloth), std::move(surface), carrying), itself,
+              red);
     scene.beforeStep = [&world, body](int step) {
         const double t = soft::timeStep * (step + 1);
         const double begun = std::min(1.0, t / 2);  // from rest

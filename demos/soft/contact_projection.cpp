@@ -16,6 +16,19 @@ double targetOf(double before, double thickness) {
 
 }  // namespace
 
+CarriedSurface ownSurface(const btSoftBody& body) {
+    CarriedSurface surface;
+    for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(body.m_nodes.size()); ++i) {
+        surface.shares.push_back({i, 1});
+        surface.ends.push_back(i + 1);
+    }
+    for (int i = 0; i < body.m_faces.size(); ++i) {
+        const auto corner = [&](int k) { return static_cast<std::uint32_t>(body.m_faces[i].m_n[k] - &body.m_nodes[0]); };
+        surface.triangles.push_back({corner(0), corner(1), corner(2)});
+    }
+    return surface;
+}
+
 void ContactProjection::read(const CarriedSurface& surface, const std::vector<SurfaceContact>& contacts,
                              const CoreNodes& nodes, double thickness) {
     m_ends.clear();

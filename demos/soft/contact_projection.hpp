@@ -1,6 +1,8 @@
 // Contacts of a carried surface, kept by the nodes of the body that carries it.
 #pragma once
 
+#include <BulletSoftBody/btSoftBody.h>
+
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -23,6 +25,9 @@ struct CarriedSurface {
     [[nodiscard]] std::uint32_t vertices() const { return static_cast<std::uint32_t>(ends.size()); }
     [[nodiscard]] std::uint32_t begin(std::uint32_t vertex) const { return vertex == 0 ? 0 : ends[vertex - 1]; }
 };
+
+/// The body's own faces, each vertex a node.
+[[nodiscard]] CarriedSurface ownSurface(const btSoftBody& body);
 
 /// One point of the surface against another one of it or of a rigid body, world frame.
 struct SurfaceContact {
