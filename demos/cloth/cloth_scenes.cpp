@@ -3,6 +3,7 @@
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -80,16 +81,16 @@ scenes::Mesh torso(int around, int along) {
     return mesh;
 }
 
-/// A tube of cloth, wider than the body, drawn in at the top so that it stays on.
+/// A skirt from the upper waist down over the hips, so that it stays on.
 std::unique_ptr<btSoftBody> dress(btSoftBodyWorldInfo& info, int around) {
-    const double low = 0.35, high = 1.75;
+    const double low = 0.35, high = 1.65;  // m
     const int rows = std::max(6, around / 2);
     std::vector<btVector3> points;
     for (int i = 0; i <= rows; ++i) {
         const double y = low + (high - low) * i / rows;
         for (int k = 0; k < around; ++k) {
             const double angle = 2 * std::numbers::pi * k / around;
-            const double radius = 0.60 - 0.06 * i / rows;
+            const double radius = 0.36 + 0.24 * std::min(1.0, (high - y) / 0.55);
             points.emplace_back(btScalar(radius * std::cos(angle)), btScalar(y), btScalar(radius * std::sin(angle)));
         }
     }
@@ -101,11 +102,16 @@ std::unique_ptr<btSoftBody> dress(btSoftBodyWorldInfo& info, int around) {
             if (i == rows) {
                 // The hem at the top is elastic and was made for the narrowest place.
                 btSoftBody::Link& link = body->m_links[body->m_links.size() - 1];
-                link.m_rl *= btScalar(0.85);
+                link.m_rl *= btScalar(0.9);
                 continue;
             }
             body->appendLink(at(i, k), at(i + 1, k));
             body->appendLink(at(i, k), at(i + 1, k + 1));
+            // Against folds that are sharper than its cells.
+            body->appendLink(at(i, k), at(i, k + 2));
+            if (i + 2 <= rows) {
+                body->appendLink(at(i, k), at(i + 2, k));
+            }
             body->appendFace(at(i, k), at(i + 1, k), at(i + 1, k + 1));
             body->appendFace(at(i, k), at(i + 1, k + 1), at(i, k + 1));
         }

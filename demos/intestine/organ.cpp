@@ -16,7 +16,7 @@ using soft::splineRow;
 
 namespace {
 
-constexpr double steepness = 0.04;  // 1 / m
+constexpr double steepness = 0.03;  // 1 / m
 constexpr double folds = 3;         // strands per radian; they lie on rays from the middle
 constexpr double innerTurn = 1.7;   // where strands end, m; half circles join them
 constexpr double outerTurn = 3.6;

@@ -26,7 +26,7 @@ struct CarriedSettings {
     double largestStep = 0.01;  ///< no node moves farther in a step, m: what keeps contacts ahead of it in reach
     int rounds = 10;            ///< of links and contacts in turns
     int contactPasses = 4;      ///< more, of contacts alone, at the end
-    double friction = 0.05;
+    double friction = 0.1;
     /// Height of the ground, which coarse nodes stay above, by x and z, m; may be empty.
     std::function<double(double, double)> ground;
 };
