@@ -162,6 +162,8 @@ soft::Scene garment(soft::Method method, const ClothSettings& settings, const so
     soft::CarriedSettings carrying;
     carrying.thickness = 2 * margin;
     carrying.largestStep = 0.03;
+    carrying.rounds = 20;
+    carrying.contactPasses = 20;
     carrying.friction = 0.3;
     std::unique_ptr<btSoftBody> cloth = dress(world.info(), settings.nodes * 2);
     soft::CarriedSurface surface = soft::ownSurface(*cloth);

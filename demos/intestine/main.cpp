@@ -12,7 +12,7 @@
 namespace grapeshot::intestine {
 namespace {
 
-constexpr double floorHalf = 5;  // m
+constexpr double floorHalf = 5;       // m
 constexpr double coverRadius = 0.05;  // m
 
 scenes::Mesh cavity(int cells) {
@@ -37,14 +37,15 @@ Operation operationOn(const StrandWatch& strands, int ring) {
 
 struct IntestineOptions {
     OrganSettings organ;
-    std::uint64_t budget = 4000;
+    std::uint64_t budget = 0;
     int compareEvery = 60;
 };
 
 soft::Scene makeScene(soft::Method method, const IntestineOptions& settings, const soft::DemoOptions& options) {
     soft::Scene scene;
     scene.name = "intestine";
-    scene.world = std::make_unique<soft::World>(method, options.seed, settings.budget);
+    scene.world =
+        std::make_unique<soft::World>(method, options.seed, settings.budget > 0 ? settings.budget : unlimited);
     scene.camera = {.eye = {-2.0, 6.5, -3.0}, .target = {1.3, 0.2, 1.5}, .fieldOfView = 42};
     soft::World& world = *scene.world;
     world.addScenery(cavity(40), {0.80F, 0.72F, 0.66F});
@@ -65,7 +66,8 @@ soft::Scene makeScene(soft::Method method, const IntestineOptions& settings, con
     const auto strands = std::make_shared<StrandWatch>(body, organ.rings, organ.around);
     const auto operation = std::make_shared<Operation>(operationOn(*strands, ring));
     const std::size_t tool = world.add(hook(12), instrumentPose(0, *operation), true, {0.55F, 0.60F, 0.68F});
-    scene.beforeStep = [&world, tool, strands, operation, ring, chosen = false, steps = options.steps](int step) mutable {
+    scene.beforeStep = [&world, tool, strands, operation, ring, chosen = false,
+                        steps = options.steps](int step) mutable {
         const double progress = static_cast<double>(step + 1) / steps;
         if (!chosen) {
             *operation = operationOn(*strands, ring);
@@ -91,12 +93,16 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what CL
         "life. Prints times per frame of 1/30 s. Exit code: 0, 1 (something passed through or was lost), 2 (bad use).",
         "intestine");
     soft::addOptions(app, options);
-    app.add_option("--length", settings.organ.length, "of the tube, m")->check(CLI::Range(4.0, 50.0))->capture_default_str();
-    app.add_option("--fineness", settings.organ.fineness,
-                   "pieces of the surface along each edge of what carries it: 1 is some 10,000 triangles, 3 some 90,000")
+    app.add_option("--length", settings.organ.length, "of the tube, m")
+        ->check(CLI::Range(4.0, 50.0))
+        ->capture_default_str();
+    app.add_option(
+           "--fineness", settings.organ.fineness,
+           "pieces of the surface along each edge of what carries it: 1 is some 10,000 triangles, 3 some 90,000")
         ->check(CLI::Range(1, 16))
         ->capture_default_str();
-    app.add_option("--budget", settings.budget, "units that the search may have per pair and step")
+    app.add_option("--budget", settings.budget,
+                   "units that the search may have per pair and step; 0: all that it wants")
         ->capture_default_str();
     app.add_option("--compare", settings.compareEvery, "with a search to the end in every such step; 0: never")
         ->check(CLI::Range(0, 100000))

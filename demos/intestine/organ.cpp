@@ -20,7 +20,7 @@ constexpr double steepness = 0.03;  // 1 / m
 constexpr double folds = 3;         // strands per radian; they lie on rays from the middle
 constexpr double innerTurn = 1.7;   // where strands end, m; half circles join them
 constexpr double outerTurn = 3.6;
-constexpr double firstEnd = 1.45;  // m, of the first strand
+constexpr double firstEnd = 1.45;     // m, of the first strand
 constexpr double aboveGround = 0.22;  // of the tube's middle, m
 constexpr int around = 12;            // nodes around the tube; a multiple of four
 constexpr int across = 4;             // cells of a sheet from strand to strand
@@ -141,7 +141,11 @@ void Builder::addTubeSurface() {
 
 bool Builder::addSheet(int tip) {
     const auto reaches = [&](int d) { return tip - d >= 0 && tip + d < m_rings; };
-    const auto chord = [&](int d) { return (m_points[static_cast<std::size_t>(at(tip - d, facing))] - m_points[static_cast<std::size_t>(at(tip + d, facing))]).norm(); };
+    const auto chord = [&](int d) {
+        return (m_points[static_cast<std::size_t>(at(tip - d, facing))] -
+                m_points[static_cast<std::size_t>(at(tip + d, facing))])
+            .norm();
+    };
     const auto radius = [&](int d) {
         const Vector3d& middle = m_middles[static_cast<std::size_t>(tip - d)];
         return std::hypot(middle.x(), middle.z());
@@ -274,8 +278,7 @@ Organ Builder::build(btSoftBodyWorldInfo& info, double length) {
         points.push_back(toBullet(point));
     }
     Organ organ;
-    organ.core =
-        std::make_unique<btSoftBody>(&info, static_cast<int>(points.size()), points.data(), m_masses.data());
+    organ.core = std::make_unique<btSoftBody>(&info, static_cast<int>(points.size()), points.data(), m_masses.data());
     for (const auto& [a, b] : m_links) {
         organ.core->appendLink(a, b);
     }

@@ -23,7 +23,9 @@ CarriedSurface ownSurface(const btSoftBody& body) {
         surface.ends.push_back(i + 1);
     }
     for (int i = 0; i < body.m_faces.size(); ++i) {
-        const auto corner = [&](int k) { return static_cast<std::uint32_t>(body.m_faces[i].m_n[k] - &body.m_nodes[0]); };
+        const auto corner = [&](int k) {
+            return static_cast<std::uint32_t>(body.m_faces[i].m_n[k] - &body.m_nodes[0]);
+        };
         surface.triangles.push_back({corner(0), corner(1), corner(2)});
     }
     return surface;

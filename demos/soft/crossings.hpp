@@ -21,9 +21,9 @@ struct Surface {
 struct CrossedEdge {
     std::uint32_t from, to, triangle;
 };
-/// All pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same surface
-/// twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle; triangles
-/// with points that are no numbers, farther than 1 km or larger than 4 m are passed over.
+/// All pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same
+/// surface twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle;
+/// triangles with points that are no numbers, farther than 1 km or larger than 4 m are passed over.
 [[nodiscard]] std::vector<CrossedEdge> crossedEdges(const Surface& edges, const Surface& faces);
 [[nodiscard]] std::size_t crossings(const Surface& edges, const Surface& faces);
 

@@ -85,8 +85,7 @@ ExactPeer::ExactPeer(const btSoftBody& surface, const SelfCollision& how) {
     m_thickness = how.thickness;
 }
 
-ExactComparison ExactPeer::compare(const btSoftBody& surface, const std::vector<SoftContact>& reported,
-                                   double radius) {
+ExactComparison ExactPeer::compare(const btSoftBody& surface, const std::vector<SoftContact>& reported, double radius) {
     const std::vector<Vector3f> positions = positionsOf(surface);
     float way = 0;
     for (int i = 0; i < surface.m_nodes.size(); ++i) {

@@ -163,8 +163,7 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     const SurfaceInStep second = inStep(m_itself ? m_a : m_b);
     NearSettings settings;
     settings.distance = task.distance;
-    settings.spacing =
-        task.spacing > 0 ? task.spacing : 0.5F * std::min(m_a.surface->meanEdge, m_b.surface->meanEdge);
+    settings.spacing = task.spacing > 0 ? task.spacing : 0.5F * std::min(m_a.surface->meanEdge, m_b.surface->meanEdge);
     settings.exclusion = task.exclusion;
     settings.seed = m_context.settings.seed;
     settings.pair = task.key;
