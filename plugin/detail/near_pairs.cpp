@@ -141,10 +141,6 @@ void NearPairs::look(const Moment& moment, const NearSettings& settings, NearRes
     track.spacing = std::max(settings.spacing, 1e-6F);
     track.followDistance = track.maxDistance;
     track.exclusion = settings.exclusion;
-    if (settings.budget.work != unlimited) {
-        // Fewer pieces for a small budget, so that samples are left when the pieces are done.
-        track.frontCells = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(settings.budget.work / 32, 64, 512));
-    }
     track.seed = settings.seed;
     track.pair = settings.pair;
     const SurfaceState stateA = stateOf(moment.fromA, moment.toA, moment.rigidA, m_positionsA);
