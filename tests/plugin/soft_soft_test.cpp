@@ -70,7 +70,12 @@ int belowAfterFalling(bool itself) {
     EXPECT_TRUE(isFinite(body));
     if (itself) {
         EXPECT_GT(body.m_scontacts.size(), 0);
-        EXPECT_THAT(contactsOf(&world.dispatcher, &body), testing::Not(testing::IsEmpty()));
+        const std::vector<SoftContact> contacts = contactsOf(&world.dispatcher, &body);
+        EXPECT_THAT(contacts, testing::Not(testing::IsEmpty()));
+        for (const SoftContact& contact : contacts) {
+            EXPECT_EQ(contact.other, &body);
+            EXPECT_NEAR(contact.otherWeights[0] + contact.otherWeights[1] + contact.otherWeights[2], 1, 1e-5);
+        }
         EXPECT_EQ(removeSelfCollision(&world.dispatcher, &body), Status::ok);
         EXPECT_EQ(removeSelfCollision(&world.dispatcher, &body), Status::badArgument);
     }
@@ -200,6 +205,7 @@ TEST(SoftSoft, RefusesBadArguments) {
     EXPECT_EQ(addSelfCollision(&world.dispatcher, nullptr), Status::nullPointer);
     EXPECT_EQ(addSelfCollision(&world.dispatcher, &body, {.thickness = -1}), Status::badArgument);
     EXPECT_EQ(addSelfCollision(&world.dispatcher, &body, {.thickness = NAN}), Status::badArgument);
+    EXPECT_EQ(addSelfCollision(&world.dispatcher, &body, {.spacing = -1}), Status::badArgument);
     btCollisionDispatcher other(&world.configuration);
     EXPECT_EQ(addSelfCollision(&other, &body), Status::notRegistered);
     EXPECT_EQ(closestFeatures(body, body, 1).status, Status::badArgument);
