@@ -9,6 +9,7 @@
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/near_vertices.hpp>
 #include <grapeshot/plugin/detail/soft_contact_writer.hpp>
+#include <grapeshot/scf/stretch.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {

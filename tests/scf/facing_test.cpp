@@ -11,6 +11,7 @@
 
 #include <grapeshot/core/detail/closest_on_triangle.hpp>
 #include <grapeshot/scf/facing.hpp>
+#include <grapeshot/scf/stretch.hpp>
 
 #include <support/oracle.hpp>
 
