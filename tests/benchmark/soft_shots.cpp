@@ -51,7 +51,7 @@ double shareBehind(const SoftMethod& method, const scenes::Mesh& mesh, std::uint
         vertices.emplace_back(place.x(), place.y(), place.z());
     }
     const std::vector<Eigen::Vector3d> nodes = world.positions(0);
-    return test::pointsAbove({nodes, world.mesh(0).triangles}, vertices) / static_cast<double>(vertices.size());
+    return test::pointsBelow({nodes, world.mesh(0).triangles}, vertices) / static_cast<double>(vertices.size());
 }
 
 }  // namespace
