@@ -134,6 +134,9 @@ btSoftBody& World::add(std::unique_ptr<btSoftBody> body, double margin, const sc
 }
 
 btSoftBody& World::add(std::unique_ptr<CarriedBody> body, const SelfCollision& itself, const scenes::Colour& colour) {
+    if (m_state->method == Method::bullet) {
+        throw Error(Fault::badSetting, "bullet", "--against: nothing but contacts of ours holds a carried surface");
+    }
     btSoftBody& surface = body->surface();
     surface.getCollisionShape()->setMargin(btScalar(0.5F * itself.thickness));
     m_state->world.addSoftBody(&surface);

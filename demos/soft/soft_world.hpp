@@ -54,8 +54,7 @@ class World {
     [[nodiscard]] btSoftBodyWorldInfo& info();
     /// @param margin m @param itself collides with itself, where the method can do that
     btSoftBody& add(std::unique_ptr<btSoftBody> body, double margin, const scenes::Colour& colour, bool itself);
-    /// A carried surface that collides with itself, unless the method is Bullet's: then its core alone, with Bullet's
-    /// contacts.
+    /// A carried surface that collides with itself. @throws Error if the method is Bullet's, which knows none
     btSoftBody& add(std::unique_ptr<CarriedBody> body, const SelfCollision& itself, const scenes::Colour& colour);
     /// In every such step the carried surface is searched to the end, too, and what was reported is compared with it.
     /// The time of that is not counted. @param radius within which a contact counts as reported, m
