@@ -61,8 +61,15 @@ TEST_P(ComesToRest, AndStays) {
     EXPECT_GE(rest.contacts, 1);
 }
 
+#ifdef BT_USE_DOUBLE_PRECISION
+constexpr std::size_t waysHere = 1;  // the searches are the same in both precisions
+#else
+constexpr std::size_t waysHere = std::size(ways);
+#endif
+
 INSTANTIATE_TEST_SUITE_P(Scenes, ComesToRest,
-                         testing::Combine(testing::ValuesIn(allRestScenes), testing::ValuesIn(ways)),
+                         testing::Combine(testing::ValuesIn(allRestScenes),
+                                          testing::ValuesIn(std::begin(ways), std::begin(ways) + waysHere)),
                          [](const auto& sample) {
                              return std::string(name(std::get<0>(sample.param))) + "_" + std::get<1>(sample.param).name;
                          });
