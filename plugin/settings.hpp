@@ -16,8 +16,9 @@ inline namespace GRAPESHOT_PRECISION {
 /// Lengths that are given as shares are multiples of the pair's size: half the diagonal of the box around the smaller
 /// of its two bodies. So one setting serves pebbles and ships.
 struct Settings {
-    /// How contacts of mesh pairs are found; see there. A mesh under scf has both trees, for depths, bodies in bodies and
-    /// what is ahead of fast ones ask adb's: about 5 us and 110 bytes a triangle more, built in slices (see prebuild).
+    /// How contacts of mesh pairs are found; see there. A mesh under scf has both trees, for depths, bodies in bodies
+    /// and what is ahead of fast ones ask adb's: about 5 us and 110 bytes a triangle more, built in slices (see
+    /// prebuild).
     Method method = Method::automatic;
     /// Method::scf: work units of a step that may go into finding where two meshes are near; half of it is enough for
     /// most pairs of a pile, and then nothing is left out. What takes more is tracked and sampled: such answers are not
@@ -32,11 +33,12 @@ struct Settings {
     Budget pairBudget = {};
     /// Of a Dispatcher: most work (or time) that all pairs of a step may cost together, split by importance. Every pair
     /// gets its mandatory slice: 8 units; 24 (by scf 96) if it was cut short or has no contacts, and 64 more if it has
-    /// none and may pass through within the step. What cannot be cut short: meshes against planes and convex shapes, and
-    /// soft bodies while they move by more in a step than their margins (or half an edge, if that is more). So a step
-    /// costs at most max(budget, sum of these); children of compounds and further dispatches that the last step had not
-    /// may add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the contacts are
-    /// those of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that takes.
+    /// none and may pass through within the step. What cannot be cut short: meshes against planes and convex shapes,
+    /// and soft bodies while they move by more in a step than their margins (or half an edge, if that is more). So a
+    /// step costs at most max(budget, sum of these); children of compounds and further dispatches that the last step
+    /// had not may add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the
+    /// contacts are those of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that
+    /// takes.
     Budget frameBudget = {};
     /// Of a Dispatcher: threads that compute contacts, 1..256. The contacts are the same for any number.
     int threads = 1;
@@ -63,8 +65,8 @@ struct Settings {
     /// While two meshes have moved against each other by less than this share of the contact breaking threshold since
     /// their contacts were last searched for, the known ones are only brought up to date: 0..0.9. What comes nearer
     /// meanwhile is found before its margins touch: contacts are searched for as far beyond the margins as bodies get
-    /// by this or in one step, and kept up to the breaking threshold. Larger: fewer searches; smaller: cheaper ones, and
-    /// contacts follow rolling and rocking more closely. 0: a search in every step.
+    /// by this or in one step, and kept up to the breaking threshold. Larger: fewer searches; smaller: cheaper ones,
+    /// and contacts follow rolling and rocking more closely. 0: a search in every step.
     float reuse = 0.75F;
     /// Sine of the angle by which a surface may lean towards the other and still touch with all its corners:
     /// 0..0.5. See LocalContactSettings::lean.

@@ -16,8 +16,8 @@ float promiseOf(float overlap, int leaves) {
     return (overlap > 0 ? overlap : 0) + impacts::promiseOfALeaf * static_cast<float>(leaves);
 }
 
-/// Do they move against each other by more than half of the smaller one's radius? If they hardly move, much is near from
-/// the start, and overlaps say little.
+/// Do they move against each other by more than half of the smaller one's radius? If they hardly move, much is near
+/// from the start, and overlaps say little.
 bool goesFar(const ImpactSpace& space) {
     if (space.isSelf()) {
         return false;
