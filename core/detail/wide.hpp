@@ -229,6 +229,17 @@ GRAPESHOT_WIDE_3(Float16, select, Mask16, Float16, Float16, one::IfThenElse)  //
 #undef GRAPESHOT_WIDE_2
 #undef GRAPESHOT_WIDE_3
 
+#if HWY_TARGET != HWY_SCALAR
+HWY_INLINE RegisterFloats leastOfFours(RegisterFloats a) {
+    const RegisterFloats pairs = one::Min(a, one::Shuffle2301(a));
+    return one::Min(pairs, one::Shuffle1032(pairs));
+}
+HWY_INLINE RegisterFloats mostOfFours(RegisterFloats a) {
+    const RegisterFloats pairs = one::Max(a, one::Shuffle2301(a));
+    return one::Max(pairs, one::Shuffle1032(pairs));
+}
+#endif
+
 // wide(x): all lanes x. load/store: 16 floats, aligned to 64 bytes; the U variants: any address. spreadA: lane i =
 // p[i / 4]; repeatB: lane i = p[i % 4] (four floats at any address): together all 4 x 4 combinations, lane = 4 a + b.
 // leastOfFours, mostOfFours: in each lane the least (most) of the lanes 4 k to 4 k + 3 that it is one of; no NaN.
@@ -304,14 +315,6 @@ HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
 
 #elif HWY_TARGET == HWY_AVX2
 
-HWY_INLINE RegisterFloats leastOfFours(RegisterFloats a) {
-    const RegisterFloats pairs = one::Min(a, one::Shuffle2301(a));
-    return one::Min(pairs, one::Shuffle1032(pairs));
-}
-HWY_INLINE RegisterFloats mostOfFours(RegisterFloats a) {
-    const RegisterFloats pairs = one::Max(a, one::Shuffle2301(a));
-    return one::Max(pairs, one::Shuffle1032(pairs));
-}
 HWY_INLINE Float16 leastOfFours(Float16 a) {
     return {leastOfFours(a.low), leastOfFours(a.high)};
 }
@@ -367,14 +370,6 @@ HWY_INLINE Mask16 maskOf(std::uint32_t lanes) {
 
 #else
 
-HWY_INLINE RegisterFloats leastOfFours(RegisterFloats a) {
-    const RegisterFloats pairs = one::Min(a, one::Shuffle2301(a));
-    return one::Min(pairs, one::Shuffle1032(pairs));
-}
-HWY_INLINE RegisterFloats mostOfFours(RegisterFloats a) {
-    const RegisterFloats pairs = one::Max(a, one::Shuffle2301(a));
-    return one::Max(pairs, one::Shuffle1032(pairs));
-}
 HWY_INLINE Float16 leastOfFours(Float16 a) {
     return {leastOfFours(a.all)};
 }

@@ -274,11 +274,13 @@ LeafFilter::LeafFilter(const MeshModel& a, const MeshModel& b, const Pose& bInA,
 LeafMasks LeafFilter::operator()(std::span<const LeafPair> pairs) const noexcept {
     LeafLanes a;
     LeafLanes b;
+    if (pairs.size() < width) {
+        a = b = {};
+    }
     const NormalCone* wider = m_usual ? nullptr : &m_wider;
-    for (std::size_t lane = 0; lane < width; ++lane) {
-        const LeafPair& pair = pairs[lane < pairs.size() ? lane : 0];
-        setLane(*m_a, pair.leafA, wider, lane, a);
-        setLane(*m_b, pair.leafB, wider, lane, b);
+    for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
+        setLane(*m_a, pairs[lane].leafA, wider, lane, a);
+        setLane(*m_b, pairs[lane].leafB, wider, lane, b);
     }
     LeafPose pose;
     for (int row = 0; row < 3; ++row) {
