@@ -3,12 +3,11 @@
 #include <string>
 #include <vector>
 
-#include <grapeshot/core/random.hpp>
-
 #include "scene_rows.hpp"
 #include "soft_run.hpp"
 #include "soft_scenarios.hpp"
 #include "support/sheet_oracle.hpp"
+#include "support/soft_shot.hpp"
 
 namespace grapeshot::bench {
 
@@ -16,13 +15,10 @@ namespace {
 
 constexpr int cells = 14;  // of a sheet of 2 m
 
-/// Rigid vertices behind the sheet in the end, of all; 1 to 30 m/s from half a metre and more away, turned anyhow.
+/// Rigid vertices behind the sheet in the end, of all.
 double shareBehind(const SoftMethod& method, const scenes::Mesh& mesh, std::uint64_t seed, std::uint64_t shot,
                    std::vector<double>& timesUs) {
-    std::uint32_t drawn = 0;
-    const auto draw = [&](double from, double to) {
-        return btScalar(from + (to - from) * static_cast<double>(randomUnit({seed, shot, 0}, drawn++)));
-    };
+    const test::SoftShot drawn = test::softShot(seed, shot);
     SoftWorld world(method);
     world.setGravity(0);
     btSoftBody& sheet = world.addSoft(scenes::grid(1, 1, cells, cells), 5, 0.02);
@@ -32,17 +28,8 @@ double shareBehind(const SoftMethod& method, const scenes::Mesh& mesh, std::uint
             sheet.setMass(i, 0);
         }
     }
-    const btScalar speed = draw(1, 30);
-    const btScalar x = draw(-0.5, 0.5);
-    const btScalar y = draw(0.5, 1.5);
-    const btScalar z = draw(-0.5, 0.5);
-    const btScalar turnX = draw(-1, 1);
-    const btScalar turnY = draw(-1, 1);
-    const btTransform pose(btQuaternion(turnX, turnY, draw(-1, 1), btScalar(1.5)).normalized(), {x, y, z});
-    const btScalar aslant = draw(-0.1, 0.1);
-    const btRigidBody& body = world.throwMesh(mesh, 0.005, pose, speed * btVector3(aslant, -1, draw(-0.1, 0.1)));
-    const int steps = static_cast<int>(150 / static_cast<double>(speed)) + 60;
-    for (int i = 0; i < steps; ++i) {
+    const btRigidBody& body = world.throwMesh(mesh, 0.005, drawn.from, drawn.velocity);
+    for (int i = 0; i < drawn.steps; ++i) {
         timesUs.push_back(world.step().wholeUs);
     }
     std::vector<Eigen::Vector3d> vertices;

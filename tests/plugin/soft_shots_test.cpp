@@ -9,6 +9,7 @@
 #include <grapeshot/core/random.hpp>
 
 #include "soft_fixture.hpp"
+#include "support/soft_shot.hpp"
 #include "support/test_size.hpp"
 
 namespace grapeshot::test {
@@ -86,34 +87,22 @@ SoftShots shootAtSoft(const scenes::Mesh& mesh, bool solid, int shots) {
     const MeshShape shape(mesh, Kind::mesh, 0.005_s);
     SoftShots result;
     for (int i = 0; i < shots; ++i) {
-        std::uint32_t drawn = 0;
-        const auto draw = [&](double from, double to) {
-            const RandomKey key{3, static_cast<std::uint64_t>(i), 0};
-            return btScalar(from + (to - from) * static_cast<double>(randomUnit(key, drawn++)));
-        };
+        const SoftShot shot = softShot(3, static_cast<std::uint64_t>(i));
         SoftTestWorld world;
         world.setGravity({0, 0, 0});
         btSoftBodyWorldInfo& info = world.world.getWorldInfo();
         btSoftBody& soft = world.add(solid ? heldBlock(info) : heldSheet(info), 0.02_s);
         soft.m_cfg.piterations = 4;
-        const btScalar speed = draw(1, 30);
-        const btScalar x = draw(-0.5, 0.5);
-        const btScalar y = draw(0.5, 1.5);
-        const btScalar z = draw(-0.5, 0.5);
-        const btScalar turnX = draw(-1, 1);
-        const btScalar turnY = draw(-1, 1);
-        const btQuaternion turn = btQuaternion(turnX, turnY, draw(-1, 1), 1.5_s).normalized();
-        btRigidBody& body = world.add(*shape, at({x, y, z}, turn), 1);
-        const btScalar aslant = draw(-0.1, 0.1);
-        body.setLinearVelocity(speed * btVector3(aslant, -1, draw(-0.1, 0.1)));
-        world.step(static_cast<int>(150 / static_cast<double>(speed)) + 60);
+        btRigidBody& body = world.add(*shape, shot.from, 1);
+        body.setLinearVelocity(shot.velocity);
+        world.step(shot.steps);
         std::size_t behind = 0;
         for (const Eigen::Vector3f& v : mesh.vertices) {
             const btVector3 corner = body.getWorldTransform() * btVector3(v.x(), v.y(), v.z());
             behind += facesAbove(soft, corner) % 2 == 1 || (solid && corner.y() < -0.4_s) ? 1 : 0;
         }
         result.through += 2 * behind > mesh.vertices.size() ? 1 : 0;
-        result.fastest = std::max(result.fastest, static_cast<double>(body.getLinearVelocity().length() / speed));
+        result.fastest = std::max(result.fastest, static_cast<double>(body.getLinearVelocity().length() / shot.speed));
         EXPECT_TRUE(isFinite(soft));
     }
     return result;
