@@ -44,6 +44,8 @@ struct LocalContactSearch::State {
     std::uint32_t tested = 0;
 };
 
+static_assert(LocalContactSearch::fewPairs == detail::LeafFilter::width);
+
 LocalContactSearch::LocalContactSearch() : m_state(std::make_unique<State>()) {}
 LocalContactSearch::~LocalContactSearch() = default;
 
@@ -68,25 +70,32 @@ void LocalContactSearch::start(const MeshModel& a, const MeshModel& b, const Pos
     s.tested = 0;
 }
 
-bool LocalContactSearch::isNear(const LeafPair& pair) {
-    return m_state->filter({&pair, 1}).within != 0;
+std::size_t LocalContactSearch::add(std::span<const LeafPair> pairs, std::uint64_t mostWork) {
+    const State& s = *m_state;
+    const std::uint64_t limit = mostWork > unlimited - s.work ? unlimited : s.work + mostWork;
+    for (std::size_t first = 0; first < pairs.size(); first += fewPairs) {
+        const auto some = pairs.subspan(first, std::min(fewPairs, pairs.size() - first));
+        std::uint32_t near = 0;
+        if (const std::size_t done = addFew(some, limit - s.work, near); done < some.size()) {
+            return first + done;
+        }
+    }
+    return pairs.size();
 }
 
-std::size_t LocalContactSearch::add(std::span<const LeafPair> pairs, std::uint64_t mostWork) {
+std::size_t LocalContactSearch::addFew(std::span<const LeafPair> pairs, std::uint64_t mostWork, std::uint32_t& near) {
     State& s = *m_state;
-    assert(s.a != nullptr);
+    assert(s.a != nullptr && pairs.size() <= fewPairs);
     const std::uint64_t limit = mostWork > unlimited - s.work ? unlimited : s.work + mostWork;
-    for (std::size_t first = 0; first < pairs.size(); first += detail::LeafFilter::width) {
-        const auto some = pairs.subspan(first, std::min(detail::LeafFilter::width, pairs.size() - first));
-        const detail::LeafMasks masks = s.filter(some);
-        for (std::uint32_t rest = masks.touching | masks.overlapping; rest != 0; rest &= rest - 1) {
-            const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
-            const bool boxesOverlap = (masks.overlapping >> i & 1U) != 0;
-            if (limit - s.work < (boxesOverlap ? 3U : 1U)) {
-                return first + i;
-            }
-            s.test(some[i], (masks.touching >> i & 1U) != 0, boxesOverlap);
+    const detail::LeafMasks masks = s.filter(pairs);
+    near = masks.within;
+    for (std::uint32_t rest = masks.touching | masks.overlapping; rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const bool boxesOverlap = (masks.overlapping >> i & 1U) != 0;
+        if (limit - s.work < (boxesOverlap ? 3U : 1U)) {
+            return i;
         }
+        s.test(pairs[i], (masks.touching >> i & 1U) != 0, boxesOverlap);
     }
     return pairs.size();
 }

@@ -49,8 +49,9 @@ class LocalContactSearch {
     /// three units. Boxes that are farther apart than maxDistance, surfaces that neither face each other nor cross, and
     /// the insides of two flat faces cost nothing.
     std::size_t add(std::span<const LeafPair> pairs, std::uint64_t mostWork = unlimited);
-    /// Are the boxes of the two leaves within maxDistance? Costs nothing.
-    [[nodiscard]] bool isNear(const LeafPair& pair);
+    /// The same of up to `fewPairs`. @param near bit i: the boxes of pair i are within maxDistance
+    std::size_t addFew(std::span<const LeafPair> pairs, std::uint64_t mostWork, std::uint32_t& near);
+    static constexpr std::size_t fewPairs = 16;
     /// Appends the contacts in A's frame. Nothing depends on the order of the leaf pairs.
     void finish(std::vector<SurfaceContact>& out);
 

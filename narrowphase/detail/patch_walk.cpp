@@ -43,34 +43,41 @@ void PatchWalk::addNeighbours(const MeshModel& model, std::uint32_t leaf) {
 }
 
 bool PatchWalk::run(Purse& purse, LocalContactSearch& search) {
-    for (; m_next < m_open.size(); ++m_next) {
+    while (m_next < m_open.size()) {
         if (purse.isEmpty()) {
             return false;
         }
-        const LeafPair pair = m_open[m_next];
-        if (++m_looks % looksPerUnit == 0) {
-            purse.pay(1);
-        }
-        if (!search.isNear(pair)) {
-            continue;
-        }
+        const auto some =
+            std::span(m_open).subspan(m_next, std::min(LocalContactSearch::fewPairs, m_open.size() - m_next));
+        const std::size_t count = some.size();
         const std::uint64_t before = search.work();
-        const bool tested = search.add({&pair, 1}, purse.left().work) == 1;
-        purse.pay(search.work() - before);
-        if (!tested) {
+        std::uint32_t near = 0;
+        const std::size_t done = search.addFew(some, purse.left().work, near);
+        m_looks += done;
+        purse.pay(search.work() - before + m_looks / looksPerUnit);
+        m_looks %= looksPerUnit;
+        for (std::size_t i = 0; i < done; ++i, ++m_next) {
+            if ((near >> i & 1U) != 0) {
+                spreadFrom(m_open[m_next]);
+            }
+        }
+        if (done < count) {
             return false;
-        }
-        m_reached.push_back(pair);
-        addNeighbours(*m_a, pair.leafA);
-        for (const std::uint32_t leaf : m_neighbours) {
-            seed({leaf, pair.leafB});
-        }
-        addNeighbours(*m_b, pair.leafB);
-        for (const std::uint32_t leaf : m_neighbours) {
-            seed({pair.leafA, leaf});
         }
     }
     return true;
+}
+
+void PatchWalk::spreadFrom(LeafPair pair) {
+    m_reached.push_back(pair);
+    addNeighbours(*m_a, pair.leafA);
+    for (const std::uint32_t leaf : m_neighbours) {
+        seed({leaf, pair.leafB});
+    }
+    addNeighbours(*m_b, pair.leafB);
+    for (const std::uint32_t leaf : m_neighbours) {
+        seed({pair.leafA, leaf});
+    }
 }
 
 }  // namespace grapeshot::detail

@@ -33,6 +33,8 @@ class PatchWalk {
     [[nodiscard]] std::span<const LeafPair> reached() const { return m_reached; }
 
   private:
+    /// A copy: the list of seeds may move.
+    void spreadFrom(LeafPair pair);
     void addNeighbours(const MeshModel& model, std::uint32_t leaf);
 
     const MeshModel* m_a = nullptr;
@@ -42,7 +44,7 @@ class PatchWalk {
     std::size_t m_next = 0;  ///< in m_open
     std::vector<LeafPair> m_reached;
     std::vector<std::uint32_t> m_neighbours;
-    std::uint64_t m_looks = 0;
+    std::uint64_t m_looks = 0;  ///< not paid yet
 };
 
 }  // namespace grapeshot::detail

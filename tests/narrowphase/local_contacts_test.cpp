@@ -1,6 +1,7 @@
 #include <grapeshot/narrowphase/local_contacts.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -461,9 +462,13 @@ TEST(LocalContacts, LeavesBesideEachOtherCostNothing) {
         LeafPairs leaves;
         Query(a.tree, a.tree).leafPairs(pose, {0.06F, Order::depthFirst}, {}, leaves);
         search.start(a, a, pose, {0.08F, 0.06F});
-        near += std::count_if(leaves.pairs.begin(), leaves.pairs.end(),
-                              [&](const LeafPair& pair) { return search.isNear(pair); });
-        search.add(leaves.pairs);
+        const std::span<const LeafPair> pairs(leaves.pairs);
+        for (std::size_t first = 0; first < pairs.size(); first += LocalContactSearch::fewPairs) {
+            const auto few = pairs.subspan(first, std::min(LocalContactSearch::fewPairs, pairs.size() - first));
+            std::uint32_t within = 0;
+            EXPECT_EQ(search.addFew(few, unlimited, within), few.size());
+            near += static_cast<std::size_t>(std::popcount(within));
+        }
         tested += search.tested();
         ContactList contacts;
         search.finish(contacts);
