@@ -55,22 +55,11 @@ void clearanceKernel(const FourBalls& a, const FourBalls& b, float reach, float 
     storeU(select(overlap > wide(0), overlap, wide(0)), weight);
 }
 
-std::uint32_t rowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
-                         std::uint16_t (&row)[16]) {
-    const Float16 lowB[3] = {load(b.low[0]), load(b.low[1]), load(b.low[2])};
-    const Float16 highB[3] = {load(b.high[0]), load(b.high[1]), load(b.high[2])};
-    const auto nearBox = [&](const float* low, const float* high, int stride, const Float16(&l)[3],
-                             const Float16(&h)[3]) HWY_ATTR {
-        Mask16 inside = allLanes();
-        for (int axis = 0; axis < 3; ++axis) {
-            inside =
-                inside & (l[axis] <= wide(high[axis * stride] + reach)) & (h[axis] >= wide(low[axis * stride] - reach));
-        }
-        return inside;
-    };
-    const Float16 lowA[3] = {load(a.low[0]), load(a.low[1]), load(a.low[2])};
-    const Float16 highA[3] = {load(a.high[0]), load(a.high[1]), load(a.high[2])};
-    const std::uint32_t near = bits(nearBox(b.boxLow, b.boxHigh, 1, lowA, highA));
+/// Row by row which triangles of B are close to one of A, of those that did not stand within the exclusion at rest.
+/// @param near A's triangles that may have any. @param closeTo (i, lanes that count) -> lanes that are close
+template <class CloseTo>
+HWY_INLINE std::uint32_t fillRows(const PosedLeaf& a, const PosedLeaf& b, std::uint32_t near, float exclusion,
+                                  std::uint16_t (&row)[16], const CloseTo& closeTo) {
     std::uint32_t units = 1;
     for (unsigned i = 0; i < 16; ++i) {
         row[i] = 0;
@@ -78,24 +67,50 @@ std::uint32_t rowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, fl
             continue;
         }
         ++units;
-        Mask16 close = nearBox(a.low[0] + i, a.high[0] + i, 16, lowB, highB);
+        Mask16 counted = allLanes();
         if (exclusion >= 0) {
             const Vector16 d{load(b.middle[0]) - wide(a.middle[0][i]), load(b.middle[1]) - wide(a.middle[1][i]),
                              load(b.middle[2]) - wide(a.middle[2][i])};
-            close = close & (dot(d, d) > wide(exclusion * exclusion));
+            counted = dot(d, d) > wide(exclusion * exclusion);
         }
-        row[i] = static_cast<std::uint16_t>(bits(close));
+        row[i] = static_cast<std::uint16_t>(bits(closeTo(i, counted)));
     }
     return units;
 }
 
+/// The boxes of sixteen triangles.
+struct Boxes16 {
+    Float16 low[3], high[3];
+};
+HWY_INLINE Boxes16 boxesOf(const PosedLeaf& leaf) {
+    return {{load(leaf.low[0]), load(leaf.low[1]), load(leaf.low[2])},
+            {load(leaf.high[0]), load(leaf.high[1]), load(leaf.high[2])}};
+}
+
+std::uint32_t rowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
+                         std::uint16_t (&row)[16]) {
+    const auto nearBox = [&](const Boxes16& boxes, const float* low, const float* high, int stride) HWY_ATTR {
+        Mask16 inside = allLanes();
+        for (int axis = 0; axis < 3; ++axis) {
+            inside = inside & (boxes.low[axis] <= wide(high[axis * stride] + reach)) &
+                     (boxes.high[axis] >= wide(low[axis * stride] - reach));
+        }
+        return inside;
+    };
+    const Boxes16 boxesB = boxesOf(b);
+    const std::uint32_t near = bits(nearBox(boxesOf(a), b.boxLow, b.boxHigh, 1));
+    return fillRows(a, b, near, exclusion, row, [&](unsigned i, Mask16 counted) HWY_ATTR {
+        return nearBox(boxesB, a.low[0] + i, a.high[0] + i, 16) & counted;
+    });
+}
+
 /// Between the boxes of sixteen triangles and one box, squared.
-HWY_INLINE Float16 squaredBoxGap(const Float16 (&low)[3], const Float16 (&high)[3], const float* otherLow,
-                                 const float* otherHigh, int stride) {
+HWY_INLINE Float16 squaredBoxGap(const Boxes16& boxes, const float* otherLow, const float* otherHigh, int stride) {
     Float16 square = wide(0);
     for (int axis = 0; axis < 3; ++axis) {
         const Float16 gap =
-            max(max(low[axis] - wide(otherHigh[axis * stride]), wide(otherLow[axis * stride]) - high[axis]), wide(0));
+            max(max(boxes.low[axis] - wide(otherHigh[axis * stride]), wide(otherLow[axis * stride]) - boxes.high[axis]),
+                wide(0));
         square = square + gap * gap;
     }
     return square;
@@ -103,34 +118,22 @@ HWY_INLINE Float16 squaredBoxGap(const Float16 (&low)[3], const Float16 (&high)[
 
 std::uint32_t clearRowsKernel(const PosedLeaf& a, const PosedLeaf& b, float reach, float exclusion,
                               std::uint16_t (&row)[16], float& clearance) {
-    const Float16 lowA[3] = {load(a.low[0]), load(a.low[1]), load(a.low[2])};
-    const Float16 highA[3] = {load(a.high[0]), load(a.high[1]), load(a.high[2])};
-    const Float16 lowB[3] = {load(b.low[0]), load(b.low[1]), load(b.low[2])};
-    const Float16 highB[3] = {load(b.high[0]), load(b.high[1]), load(b.high[2])};
+    const Boxes16 boxesA = boxesOf(a);
+    const Boxes16 boxesB = boxesOf(b);
     const Float16 none = wide(3e38F);
     const Float16 close = wide(reach * reach * (1 + 1e-6F));
-    const Float16 fromA = squaredBoxGap(lowA, highA, b.boxLow, b.boxHigh, 1);
+    const Float16 fromA = squaredBoxGap(boxesA, b.boxLow, b.boxHigh, 1);
     const Mask16 isFar = fromA > close;
-    const std::uint32_t near = ~bits(isFar) & bits(lowA[0] <= highA[0]);
+    const std::uint32_t near = ~bits(isFar) & bits(boxesA.low[0] <= boxesA.high[0]);
+    const Mask16 used = boxesB.low[0] <= boxesB.high[0];
     Float16 least = select(isFar, fromA, none);
-    std::uint32_t units = 1;
-    for (unsigned i = 0; i < 16; ++i) {
-        row[i] = 0;
-        if ((near >> i & 1U) == 0U) {
-            continue;
-        }
-        ++units;
-        const Float16 square = squaredBoxGap(lowB, highB, a.low[0] + i, a.high[0] + i, 16);
-        Mask16 kept = lowB[0] <= highB[0];
-        if (exclusion >= 0) {
-            const Vector16 d{load(b.middle[0]) - wide(a.middle[0][i]), load(b.middle[1]) - wide(a.middle[1][i]),
-                             load(b.middle[2]) - wide(a.middle[2][i])};
-            kept = kept & (dot(d, d) > wide(exclusion * exclusion));
-        }
+    const std::uint32_t units = fillRows(a, b, near, exclusion, row, [&](unsigned i, Mask16 counted) HWY_ATTR {
+        const Float16 square = squaredBoxGap(boxesB, a.low[0] + i, a.high[0] + i, 16);
+        const Mask16 kept = used & counted;
         const Mask16 apart = square > close;
         least = min(least, select(kept & apart, square, none));
-        row[i] = static_cast<std::uint16_t>(bits(andNot(apart, kept)));
-    }
+        return andNot(apart, kept);
+    });
     alignas(64) float square[16];
     store(least, square);
     float smallest = square[0];
