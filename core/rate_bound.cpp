@@ -14,8 +14,9 @@ double logChoose(double n, double k) {
     return -std::log1p(n) - detail::logBeta(n - k + 1, k + 1);
 }
 
-/// P(`hits` or fewer of `sample`) if `total` of the population are hits.
-double hypergeometricTail(std::uint64_t hits, std::uint64_t sample, std::uint64_t population, std::uint64_t total) {
+/// P(fewer than `hits` of `sample`) + share * P(`hits`) if `total` of the population are hits.
+double hypergeometricTail(std::uint64_t hits, std::uint64_t sample, std::uint64_t population, std::uint64_t total,
+                          double share) {
     const std::uint64_t clear = population - total;
     const std::uint64_t fewest = sample > clear ? sample - clear : 0;
     const std::uint64_t most = std::min({hits, total, sample});
@@ -26,7 +27,7 @@ double hypergeometricTail(std::uint64_t hits, std::uint64_t sample, std::uint64_
     // Downwards from the last term, which is the largest where the tail is small.
     double term = std::exp(logChoose(real(total), real(most)) + logChoose(real(clear), real(sample - most)) -
                            logChoose(real(population), real(sample)));
-    double sum = term;
+    double sum = most == hits ? share * term : term;
     for (std::uint64_t i = most; i > fewest; --i) {
         term *= real(i) * real(clear - sample + i) / (real(total - i + 1) * real(sample - i + 1));
         sum += term;
@@ -64,13 +65,14 @@ std::uint64_t fewestTrials(double rate, double confidence) {
     return static_cast<std::uint64_t>(std::ceil(std::log1p(-confidence) / std::log1p(-rate)));
 }
 
-std::uint64_t upperCount(std::uint64_t hits, std::uint64_t sample, std::uint64_t population, double confidence) {
-    assert(hits <= sample && sample <= population && confidence > 0 && confidence < 1);
+std::uint64_t upperCount(std::uint64_t hits, std::uint64_t sample, std::uint64_t population, double confidence,
+                         double share) {
+    assert(hits <= sample && sample <= population && confidence > 0 && confidence < 1 && share >= 0 && share <= 1);
     std::uint64_t low = hits;                           // possible
     std::uint64_t high = population - (sample - hits);  // the most there is room for
     while (low < high) {
         const std::uint64_t middle = low + (high - low + 1) / 2;
-        if (hypergeometricTail(hits, sample, population, middle) > 1 - confidence) {
+        if (hypergeometricTail(hits, sample, population, middle, share) > 1 - confidence) {
             low = middle;
         } else {
             high = middle - 1;

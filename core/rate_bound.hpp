@@ -3,6 +3,7 @@
 // This work is based on:
 // Charles Clopper, Egon Pearson. The use of confidence or fiducial limits illustrated in the case of the binomial.
 // Biometrika 26, 1934
+// W. L. Stevens. Fiducial limits of the parameter of a discontinuous distribution. Biometrika 37, 1950
 #pragma once
 
 #include <cstdint>
@@ -24,8 +25,11 @@ namespace grapeshot {
 /// The most members of a population that may be hits, if `hits` of `sample` members drawn without replacement were: the
 /// largest count with which `hits` or fewer still happen with probability above 1 - confidence (the hypergeometric
 /// distribution, inverted as Clopper and Pearson do). Exact: `hits` if all were drawn; the population if none was.
+/// @param share of the probability of just `hits` that counts, 0..1. With 1 the bound holds in at least `confidence` of
+/// all samples, and often in more, because counts are whole. Drawn evenly, it holds in just so many, and is smaller for
+/// it (Stevens).
 /// @param hits 0..sample; sample 0..population; population up to 2^31; confidence in (0, 1). Asserts them. Some 10 us.
 [[nodiscard]] std::uint64_t upperCount(std::uint64_t hits, std::uint64_t sample, std::uint64_t population,
-                                       double confidence);
+                                       double confidence, double share = 1);
 
 }  // namespace grapeshot

@@ -7,7 +7,7 @@
 
 namespace grapeshot {
 
-void estimateMissed(MissEstimate& miss, bool complete) noexcept {
+void estimateMissed(MissEstimate& miss, bool complete, double draw) noexcept {
     if (!complete) {
         return;
     }
@@ -19,8 +19,8 @@ void estimateMissed(MissEstimate& miss, bool complete) noexcept {
         miss.missed = static_cast<double>(left) * static_cast<double>(miss.hits) / static_cast<double>(finished);
     }
     constexpr double confidence = 0.95;
-    const std::uint64_t most = upperCount(miss.hits + miss.open, miss.sampled, miss.unknown, confidence);
-    miss.missedBound = static_cast<double>(most - miss.hits);
+    const std::uint64_t most = upperCount(miss.hits + miss.open, miss.sampled, miss.unknown, confidence, draw);
+    miss.missedBound = static_cast<double>(std::max(most - miss.hits, std::min<std::uint64_t>(left, 1)));
 }
 
 void estimateUnseen(MissEstimate& miss, std::uint64_t once, std::uint64_t dives) noexcept {

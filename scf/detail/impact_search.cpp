@@ -276,7 +276,7 @@ void ImpactSearch::audit(MissEstimate& miss) {
     std::make_heap(front.pieces.begin(), front.pieces.end());
     std::make_heap(front.triangles.begin(), front.triangles.end());
     dropLate(front);
-    estimateMissed(miss, true);
+    estimateMissed(miss, true, static_cast<double>(randomUnit(m_key, m_draw++)));
 }
 
 }  // namespace grapeshot::detail

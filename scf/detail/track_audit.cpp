@@ -54,12 +54,13 @@ void TrackStep::audit(bool complete) {
         miss.open += end == SearchEnd::limited ? 1 : 0;
         miss.hits += end == SearchEnd::stopped ? 1 : 0;
     }
+    miss.reported += miss.hits;
     if (miss.sampled > 0) {
         const float price =
             static_cast<float>(spent) / static_cast<float>(std::max<std::uint64_t>(1, miss.sampled - miss.open));
         m_testPrice = priceMemory * m_testPrice + (1 - priceMemory) * price;
     }
-    estimateMissed(miss, complete);
+    estimateMissed(miss, complete, static_cast<double>(unit()));
     m_out.certain = complete && m_out.carried == 0 && miss.sampled == miss.unknown && miss.open == 0;
     m_out.stop = m_out.certain ? StopReason::certain : StopReason::budget;
 }

@@ -259,7 +259,7 @@ void TrackMotion::audit() {
     }
     front.pieces.insert(front.pieces.end(), unfinished.pieces.begin(), unfinished.pieces.end());
     front.triangles.insert(front.triangles.end(), unfinished.triangles.begin(), unfinished.triangles.end());
-    estimateMissed(miss, true);
+    estimateMissed(miss, true, static_cast<double>(randomUnit(m_key, m_draw++)));
 }
 
 bool TrackMotion::run(const StepPart& part) {

@@ -141,6 +141,7 @@ TEST(CountBound, HoldsForEverySizeOfTheTruth) {
     for (std::uint64_t truth = 0; truth <= population; ++truth) {
         Random random(truth + 1);
         int below = 0;
+        int belowDrawn = 0;
         constexpr int draws = 4000;
         for (int draw = 0; draw < draws; ++draw) {
             std::uint64_t hits = 0;
@@ -151,9 +152,17 @@ TEST(CountBound, HoldsForEverySizeOfTheTruth) {
                     --left;
                 }
             }
-            below += upperCount(hits, sample, population, 0.95) < truth ? 1 : 0;
+            const std::uint64_t upper = upperCount(hits, sample, population, 0.95);
+            const std::uint64_t drawn = upperCount(hits, sample, population, 0.95, random.unit());
+            EXPECT_LE(drawn, upper);
+            below += upper < truth ? 1 : 0;
+            belowDrawn += drawn < truth ? 1 : 0;
         }
-        EXPECT_LE(below, 0.05 * draws + 4 * std::sqrt(0.05 * 0.95 * draws)) << truth;
+        const double error = 4 * std::sqrt(0.05 * 0.95 * draws);
+        EXPECT_LE(below, 0.05 * draws + error) << truth;
+        if (truth > 0) {  // in just so many
+            EXPECT_NEAR(belowDrawn, 0.05 * draws, error) << truth;
+        }
     }
 }
 
