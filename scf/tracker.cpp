@@ -54,8 +54,10 @@ void Tracker::State::cut(const TrackSettings& settings) {
     if (scratch->spacing != settings.spacing) {
         scratch->spacing = settings.spacing;
         scratch->spacingA = detail::cellsOfRadius(*a, settings.spacing);
+        scratch->aroundA.begin(scratch->spacingA.cells.size());
         if (!isSelf()) {
             scratch->spacingB = detail::cellsOfRadius(*b, settings.spacing);
+            scratch->aroundB.begin(scratch->spacingB.cells.size());
         }
     }
     if (settings.mode == TrackMode::budget && scratch->frontCells != settings.frontCells) {

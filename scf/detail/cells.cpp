@@ -15,6 +15,7 @@ class Numbering {
         m_out.cellOfNode.assign(tree.nodes.size(), noCell);
         m_out.cellOfLeaf.assign(tree.leaves.size(), noCell);
         visit(0, noCell);
+        m_out.leaves.begin.push_back(static_cast<std::uint32_t>(m_out.leaves.all.size()));
     }
 
   private:
@@ -23,12 +24,15 @@ class Numbering {
         if (cell == noCell && (isBallLeaf(ref) || m_isCell[index] != 0)) {
             cell = static_cast<std::uint32_t>(m_out.cells.size());
             m_out.cells.push_back(ref);
+            m_out.own.push_back(m_tree.own(ref));
+            m_out.leaves.begin.push_back(static_cast<std::uint32_t>(m_out.leaves.all.size()));
             if (!isBallLeaf(ref)) {
                 m_out.cellOfNode[index] = cell;
             }
         }
         if (isBallLeaf(ref)) {
             m_out.cellOfLeaf[index] = cell;
+            m_out.leaves.all.push_back(index);
             return;
         }
         for (std::uint32_t slot = 0; slot < m_tree.nodes[index].count; ++slot) {
@@ -40,36 +44,6 @@ class Numbering {
     const std::vector<char>& m_isCell;
     Cells& m_out;
 };
-
-void listNeighbours(const BallTree& tree, Cells& cells) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    std::vector<std::uint32_t> around;
-    for (std::uint32_t v = 0; v < tree.surface.rest.size(); ++v) {
-        around.clear();
-        for (const std::uint32_t t : tree.surface.fan.of(v)) {
-            around.push_back(cells.cellOf(tree, t));
-        }
-        std::sort(around.begin(), around.end());
-        around.erase(std::unique(around.begin(), around.end()), around.end());
-        for (std::size_t i = 0; i < around.size(); ++i) {
-            for (std::size_t j = 0; j < around.size(); ++j) {
-                if (i != j) {
-                    pairs.emplace_back(around[i], around[j]);
-                }
-            }
-        }
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    cells.neighbours.begin.assign(cells.cells.size() + 1, 0);
-    for (const auto& [from, to] : pairs) {
-        ++cells.neighbours.begin[from + 1];
-        cells.neighbours.all.push_back(to);
-    }
-    for (std::size_t i = 0; i < cells.cells.size(); ++i) {
-        cells.neighbours.begin[i + 1] += cells.neighbours.begin[i];
-    }
-}
 
 }  // namespace
 
@@ -84,7 +58,6 @@ Cells cellsOfRadius(const BallTree& tree, float radius) {
     for (std::size_t i = 0; i < cells.coarse.size(); ++i) {
         cells.coarse[i] = tree.leaves[i].own.radius > 2 * radius ? 1 : 0;
     }
-    listNeighbours(tree, cells);
     return cells;
 }
 
@@ -117,6 +90,49 @@ Cells cellsOfCount(const BallTree& tree, std::size_t count) {
     Cells result;
     Numbering(tree, isCell, result);
     return result;
+}
+
+void listNeighbours(const BallTree& tree, const Cells& cells, std::uint32_t cell, std::vector<std::uint32_t>& out) {
+    out.clear();
+    for (const std::uint32_t leaf : cells.leaves.of(cell)) {
+        for (const std::uint32_t v : tree.leafVertices.of(leaf)) {
+            for (const std::uint32_t t : tree.surface.fan.of(v)) {
+                const std::uint32_t other = cells.cellOf(tree, t);
+                if (other != cell && (out.empty() || out.back() != other)) {
+                    out.push_back(other);
+                }
+            }
+        }
+    }
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
+IndexLists neighboursOfAll(const BallTree& tree, const Cells& cells) {
+    IndexLists lists;
+    lists.begin.push_back(0);
+    std::vector<std::uint32_t> some;
+    for (std::uint32_t cell = 0; cell < cells.cells.size(); ++cell) {
+        listNeighbours(tree, cells, cell, some);
+        lists.all.insert(lists.all.end(), some.begin(), some.end());
+        lists.begin.push_back(static_cast<std::uint32_t>(lists.all.size()));
+    }
+    return lists;
+}
+
+void CellNeighbours::begin(std::size_t cells) {
+    m_lists.assign(cells, {});
+    m_all.clear();
+}
+
+std::span<const std::uint32_t> CellNeighbours::of(const BallTree& tree, const Cells& cells, std::uint32_t cell) {
+    List& list = m_lists[cell];
+    if (list.begin == noCell) {
+        listNeighbours(tree, cells, cell, m_some);
+        list = {static_cast<std::uint32_t>(m_all.size()), static_cast<std::uint32_t>(m_some.size())};
+        m_all.insert(m_all.end(), m_some.begin(), m_some.end());
+    }
+    return std::span(m_all).subspan(list.begin, list.count);
 }
 
 }  // namespace grapeshot::detail

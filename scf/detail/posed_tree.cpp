@@ -119,8 +119,7 @@ void PosedTree::makeBalls(std::uint32_t index, FourBalls& balls) {
     }
 }
 
-void PosedTree::putBall(BallRef ref, FourBalls& balls, int slot) {
-    const PieceBall& own = m_tree->own(ref);
+void PosedTree::putBall(BallRef ref, const PieceBall& own, FourBalls& balls, int slot) {
     if (m_atRest) {
         putPlainBall(own.plainCenter, own.plainRadius, balls, static_cast<std::uint32_t>(slot));
         return;

@@ -35,7 +35,9 @@ class PosedTree {
         return m_made.balls(node, [&](FourBalls& balls) { makeBalls(node, balls); });
     }
     /// Puts the ball of a piece by itself, not the root, into a slot.
-    void putBall(BallRef ref, FourBalls& balls, int slot);
+    void putBall(BallRef ref, FourBalls& balls, int slot) { putBall(ref, m_tree->own(ref), balls, slot); }
+    /// The same, if the tree's entry is at hand.
+    void putBall(BallRef ref, const PieceBall& own, FourBalls& balls, int slot);
     [[nodiscard]] const PosedLeaf& leaf(std::uint32_t index) {
         return m_made.leaf(index, [&](PosedLeaf& leaf) { makeLeaf(index, leaf); });
     }

@@ -42,7 +42,9 @@ Eigen::Vector3d pointBefore(const PosedTree& before, const PosedTree& now, std::
 }
 
 /// Ids of the cells around a triangle's, with its own.
-void collectAround(const BallTree& tree, const Cells& cells, std::uint32_t triangle, std::vector<std::uint32_t>& ids) {
+void collectAround(const BallTree& tree, const SideCells::OfTree& of, std::uint32_t triangle,
+                   std::vector<std::uint32_t>& ids) {
+    const Cells& cells = of.cells;
     ids.clear();
     for (const std::uint32_t corner : tree.surface.triangles[triangle]) {
         for (const std::uint32_t neighbour : tree.surface.fan.of(corner)) {
@@ -51,7 +53,7 @@ void collectAround(const BallTree& tree, const Cells& cells, std::uint32_t trian
     }
     const std::uint32_t own = cells.idOf(tree, triangle);
     if (own < cells.cells.size()) {
-        const auto neighbours = cells.neighbours.of(own);
+        const auto neighbours = of.neighbours.of(own);
         ids.insert(ids.end(), neighbours.begin(), neighbours.end());
     }
     std::sort(ids.begin(), ids.end());
@@ -189,8 +191,8 @@ void SideStep::decide(std::span<const TrackedContact> contacts, std::vector<Side
     out.reserve(contacts.size());
     for (const TrackedContact& contact : contacts) {
         SidedContact& sided = out.emplace_back();
-        const Key key =
-            keyOf(m_cells.a.idOf(m_a, contact.pair.triangleA), m_cells.b().idOf(m_b, contact.pair.triangleB));
+        const Key key = keyOf(m_cells.a.cells.idOf(m_a, contact.pair.triangleA),
+                              m_cells.b().cells.idOf(m_b, contact.pair.triangleB));
         if (const KeptSides* kept = m_memory.find(key.value)) {
             sided.sides = key.isSwapped ? swapped(kept->sides) : kept->sides;
             sided.source = SideSource::kept;

@@ -28,16 +28,23 @@ struct SideBodies {
     std::optional<Topology> other;
 };
 
+/// Shared between copies, so everything is listed at once.
 struct SideCells {
-    SideCells(const BallTree& treeA, const BallTree& treeB, float size) : spacing(size), a(cellsOfRadius(treeA, size)) {
+    struct OfTree {
+        OfTree(const BallTree& tree, float size)
+            : cells(cellsOfRadius(tree, size)), neighbours(neighboursOfAll(tree, cells)) {}
+        Cells cells;
+        IndexLists neighbours;
+    };
+    SideCells(const BallTree& treeA, const BallTree& treeB, float size) : spacing(size), a(treeA, size) {
         if (&treeA != &treeB) {
-            other.emplace(cellsOfRadius(treeB, size));
+            other.emplace(treeB, size);
         }
     }
-    [[nodiscard]] const Cells& b() const { return other ? *other : a; }
+    [[nodiscard]] const OfTree& b() const { return other ? *other : a; }
     float spacing;
-    Cells a;
-    std::optional<Cells> other;
+    OfTree a;
+    std::optional<OfTree> other;
 };
 
 /// Positions at both ends of the step. No balls are asked for.

@@ -12,14 +12,24 @@ constexpr float priceMemory = 0.9F;
 }  // namespace
 
 void TrackStep::audit(bool complete) {
+    KeyMap& reported = m_scratch.reported;
+    reported.clear();
+    if (!m_scratch.candidates.empty()) {
+        for (const TrackedContact& contact : m_out.contacts) {
+            reported.insert(cellKey(m_frontA, m_frontB, contact.pair), 0);
+        }
+    }
     std::vector<std::uint32_t>& unknown = m_scratch.unknown;
     unknown.clear();
+    MissEstimate& miss = m_out.miss;
     for (std::uint32_t i = 0; i < m_scratch.candidates.size(); ++i) {
-        if (!m_scratch.candidates[i].isReported && !m_scratch.candidates[i].isAhead) {
+        const Candidate& candidate = m_scratch.candidates[i];
+        if (reported.find(joined(m_frontA.cellAt(candidate.cells.a), m_frontB.cellAt(candidate.cells.b))) != nullptr) {
+            ++miss.reported;
+        } else if (!candidate.isAhead) {
             unknown.push_back(i);
         }
     }
-    MissEstimate& miss = m_out.miss;
     miss.unknown = unknown.size();
     // How many is decided before the first is tested, from earlier steps' prices: to stop when the budget ends would
     // prefer the cheap ones.

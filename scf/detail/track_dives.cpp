@@ -28,9 +28,7 @@ bool TrackStep::listCandidates(std::uint64_t limit) {
             return true;
         }
         m_out.miss.candidates += slack > 0 ? 0 : 1;
-        m_scratch.candidateOf.insert(joined(m_frontA.cellAt(pair.a), m_frontB.cellAt(pair.b)),
-                                     static_cast<std::uint32_t>(candidates.size()));
-        candidates.push_back({pair, weight, false, slack > 0, record});
+        candidates.push_back({pair, weight, slack > 0, record});
         return true;
     };
     const auto mayGoOn = [&] { return left() > 0 && (limit == unlimited || work() - first < limit); };
@@ -145,10 +143,10 @@ bool TrackStep::land(const BallPair& pair, bool greedy) {
 
 void TrackStep::walkFrom(std::uint32_t contact) {
     const TrianglePair pair = m_out.contacts[contact].pair;
-    const auto around = [&](PosedTree& side, const Cells& cells, std::uint32_t triangle, FourBalls& balls,
-                            std::uint32_t(&list)[4]) {
+    const auto around = [&](PosedTree& side, const Cells& cells, CellNeighbours& listed, std::uint32_t triangle,
+                            FourBalls& balls, std::uint32_t(&list)[4]) {
         const std::uint32_t cell = cells.cellOf(side.tree(), triangle);
-        const auto neighbours = cells.neighbours.of(cell);
+        const auto neighbours = listed.of(side.tree(), cells, cell);
         unsigned count = 0;
         list[count++] = cell;
         const std::uint64_t start = neighbours.empty() ? 0 : below(neighbours.size());
@@ -156,7 +154,7 @@ void TrackStep::walkFrom(std::uint32_t contact) {
             list[count++] = neighbours[(start + i) % neighbours.size()];
         }
         for (unsigned slot = 0; slot < count; ++slot) {
-            side.putBall(cells.cells[list[slot]], balls, static_cast<int>(slot));
+            side.putBall(cells.cells[list[slot]], cells.own[list[slot]], balls, static_cast<int>(slot));
         }
         return count;
     };
@@ -164,8 +162,9 @@ void TrackStep::walkFrom(std::uint32_t contact) {
     FourBalls ballsB{};
     std::uint32_t listA[4];
     std::uint32_t listB[4];
-    const unsigned countA = around(*m_space.a, m_cellsA, pair.triangleA, ballsA, listA);
-    const unsigned countB = around(*m_space.b, m_cellsB, pair.triangleB, ballsB, listB);
+    const unsigned countA = around(*m_space.a, m_cellsA, m_scratch.aroundA, pair.triangleA, ballsA, listA);
+    const unsigned countB = around(*m_space.b, m_cellsB, m_space.isSelf() ? m_scratch.aroundA : m_scratch.aroundB,
+                                   pair.triangleB, ballsB, listB);
     float weight[16];
     std::uint32_t mask = overlappingBalls(ballsA, ballsB, m_space.reach, weight);
     ++m_work;

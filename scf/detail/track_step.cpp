@@ -55,7 +55,6 @@ TrackStep::TrackStep(const PairSpace& space, const TrackSettings& settings, cons
     scratch.contacts.clear();
     scratch.nearPairs.clear();
     scratch.tried.clear();
-    scratch.candidateOf.clear();
     scratch.found.clear();
     scratch.kept.clear();
     scratch.near.clear();
@@ -92,17 +91,6 @@ std::uint64_t TrackStep::cellKey(const Cells& a, const Cells& b, const TriangleP
     return joined(cellA, cellB);
 }
 
-void TrackStep::markReported(const TrianglePair& pair) {
-    if (m_scratch.candidates.empty()) {
-        return;
-    }
-    if (const std::uint32_t* index = m_scratch.candidateOf.find(cellKey(m_frontA, m_frontB, pair))) {
-        bool& isReported = m_scratch.candidates[*index].isReported;
-        m_out.miss.reported += isReported ? 0 : 1;
-        isReported = true;
-    }
-}
-
 bool TrackStep::accept(const PairBatch& batch, int lane, std::uint64_t birth) {
     const TrianglePair& pair = batch.pair(lane);
     m_lastKey = keyOf(pair);
@@ -115,14 +103,12 @@ bool TrackStep::accept(const PairBatch& batch, int lane, std::uint64_t birth) {
     m_scratch.kept.push_back({pair, birth});
     m_scratch.tried.insert(cellKey(m_cellsA, m_cellsB, pair), 0);
     m_scratch.toWalk.push_back(index);
-    markReported(pair);
     return true;
 }
 
 void TrackStep::report(const PairBatch& batch, int lane) {
     if (!accept(batch, lane, m_memory.step)) {
         m_out.contacts.push_back(contactOf(batch, lane));
-        markReported(batch.pair(lane));
     }
 }
 
@@ -279,9 +265,6 @@ void TrackStep::sampled() {
     testTracked(trackedShare);
     const std::uint64_t afterTracked = left();
     const bool complete = listCandidates(shareOf(afterTracked, frontShare));
-    for (const TrackedContact& contact : m_out.contacts) {
-        markReported(contact.pair);
-    }
     // What the uniform sample needs stays; it comes last, because nothing may be found after it was drawn.
     const std::uint64_t spare = shareOf(left(), static_cast<double>(m_settings.auditShare));
     if (!m_scratch.candidates.empty()) {

@@ -46,7 +46,6 @@ class TrackStep {
     [[nodiscard]] std::uint64_t keyOf(const TrianglePair& pair) const;
     [[nodiscard]] static std::uint64_t joined(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32U | b; }
     [[nodiscard]] std::uint64_t cellKey(const Cells& a, const Cells& b, const TrianglePair& pair) const;
-    void markReported(const TrianglePair& pair);
 
     /// m a step: when all is faster, hardly anything is known for longer than a step, and remembering it costs more
     /// than to look again. Of a leaf's size; under a budget, where the traversal ends at larger pieces, of the spacing.

@@ -44,7 +44,6 @@ struct NearPair {
 struct Candidate {
     BallPair cells;
     float weight = 0;
-    bool isReported = false;
     bool isAhead = false;      ///< known to be clear
     std::uint32_t record = 0;  ///< of the front that is kept
 };
@@ -61,6 +60,7 @@ struct TrackerScratch {
     std::optional<MovingTree> movingA, movingB;  ///< from the first continuous step on
     ImpactScratch impact;
     Cells spacingA, spacingB, frontA, frontB;
+    CellNeighbours aroundA, aroundB;  ///< of the cells of the spacing
     float spacing = -1;
     std::uint32_t frontCells = 0;
 
@@ -71,7 +71,7 @@ struct TrackerScratch {
     KeyMap contacts;     ///< by key, to the index in the result
     KeyMap nearPairs;    ///< likewise, of those that are followed
     KeyMap tried;        ///< pairs of cells of the spacing's size that have a contact or were looked into
-    KeyMap candidateOf;  ///< pairs of cells of the front
+    KeyMap reported;     ///< pairs of cells of the front that have a contact listed
     KeyMap found;        ///< by key: by how many dives
     std::vector<TrackedPair> kept;
     std::vector<NearPair> near;

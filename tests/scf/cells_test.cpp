@@ -51,9 +51,16 @@ TEST(Cells, NeighboursShareAVertex) {
             }
         }
     }
+    const IndexLists neighbours = detail::neighboursOfAll(tree, cells);
+    detail::CellNeighbours asked;
+    asked.begin(cells.cells.size());
     std::set<CellPair> listed;
-    for (std::uint32_t cell = 0; cell < cells.cells.size(); ++cell) {
-        for (const std::uint32_t other : cells.neighbours.of(cell)) {
+    for (std::uint32_t i = 0; i < 2 * cells.cells.size(); ++i) {
+        const std::uint32_t cell = (5 * i) % static_cast<std::uint32_t>(cells.cells.size());  // in any order, again too
+        const auto around = neighbours.of(cell);
+        EXPECT_THAT(asked.of(tree, cells, cell), testing::ElementsAreArray(around.begin(), around.end()));
+        EXPECT_TRUE(std::ranges::is_sorted(around));
+        for (const std::uint32_t other : around) {
             listed.emplace(cell, other);
         }
     }
