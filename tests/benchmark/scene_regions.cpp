@@ -3,6 +3,7 @@
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 
 #include <algorithm>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -87,6 +88,29 @@ PairSettings exactSettings(const btCollisionShape& a, const btCollisionShape& b,
     return exact;
 }
 
+/// Calls use(the two bodies' indices, overlapping pair, its processor, what is saved of it) for every pair of meshes.
+template <class Use>
+void forMeshPairs(scenes::World& world, const Use& use) {
+    const btBroadphasePairArray& pairs = world.dynamics().getPairCache()->getOverlappingPairArray();
+    for (int i = 0; i < pairs.size(); ++i) {
+        const auto* algorithm = dynamic_cast<const MeshCollisionAlgorithm*>(pairs[i].m_algorithm);
+        const detail::PairProcessor* pair = algorithm != nullptr ? algorithm->processor() : nullptr;
+        if (pair == nullptr || !pair->remembers()) {
+            continue;
+        }
+        const detail::SavedPair saved = pair->saved();
+        if (saved.kind == detail::PairKind::meshMesh) {
+            const auto* a = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+            const auto* b = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+            use(*a, *b, *pair, saved);
+        }
+    }
+}
+
+std::pair<int, int> keyOf(const btCollisionObject& a, const btCollisionObject& b) {
+    return {a.getWorldArrayIndex(), b.getWorldArrayIndex()};
+}
+
 }  // namespace
 
 void RegionWatch::before(scenes::World& world) {
@@ -95,39 +119,38 @@ void RegionWatch::before(scenes::World& world) {
     for (int i = 0; i < objects.size(); ++i) {
         m_poses.push_back(objects[i]->getWorldTransform());
     }
+    m_before.clear();
+    forMeshPairs(world, [&](const btCollisionObject& a, const btCollisionObject& b, const detail::PairProcessor&,
+                            const detail::SavedPair& saved) { m_before[keyOf(a, b)] = saved.state; });
 }
 
 void RegionWatch::after(scenes::World& world) {
-    const btBroadphasePairArray& pairs = world.dynamics().getPairCache()->getOverlappingPairArray();
     std::map<std::pair<int, int>, Truth> still;
-    for (int i = 0; i < pairs.size(); ++i) {
-        const auto* algorithm = dynamic_cast<const MeshCollisionAlgorithm*>(pairs[i].m_algorithm);
-        const detail::PairProcessor* pair = algorithm != nullptr ? algorithm->processor() : nullptr;
-        if (pair == nullptr || !pair->remembers() || pair->share().result.stop == StopReason::invalidInput) {
-            continue;
+    forMeshPairs(world, [&](const btCollisionObject& a, const btCollisionObject& b, const detail::PairProcessor& pair,
+                            const detail::SavedPair& saved) {
+        if (pair.share().result.stop == StopReason::invalidInput) {
+            return;
         }
-        const detail::SavedPair saved = pair->saved();
-        if (saved.kind != detail::PairKind::meshMesh) {
-            continue;
-        }
-        const auto* a = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
-        const auto* b = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-        const std::pair key(a->getWorldArrayIndex(), b->getWorldArrayIndex());
+        const std::pair key = keyOf(a, b);
         Truth& truth = still[key];
         if (const auto known = m_truths.find(key); known != m_truths.end()) {
             truth = std::move(known->second);
         }
-        const Pose bInA = detail::toPose(detail::relative(m_poses[static_cast<std::size_t>(key.first)],
-                                                          m_poses[static_cast<std::size_t>(key.second)]));
-        const PairSettings exact =
-            exactSettings(*a->getCollisionShape(), *b->getCollisionShape(), m_settings, saved.state.searchDistance);
-        update(*pair->model(0), *pair->model(1), bInA, exact, {}, truth.state);
-        compare(saved.state.contacts, bInA, exact, truth);
-    }
+        const Step step{
+            *pair.model(0), *pair.model(1),
+            detail::toPose(detail::relative(m_poses[static_cast<std::size_t>(key.first)],
+                                            m_poses[static_cast<std::size_t>(key.second)])),
+            exactSettings(*a.getCollisionShape(), *b.getCollisionShape(), m_settings, saved.state.searchDistance),
+            m_before[key]};
+        update(step.a, step.b, step.bInA, step.exact, {}, truth.state);
+        compare(saved.state.contacts, step, truth);
+    });
     m_truths = std::move(still);
 }
 
-void RegionWatch::compare(const ContactSet& found, const Pose& bInA, const PairSettings& settings, Truth& truth) {
+void RegionWatch::compare(const ContactSet& found, const Step& step, Truth& truth) {
+    const RegionSettings& settings = step.exact.set.regions;
+    std::optional<PairState> own;
     std::map<std::uint32_t, Life> still;
     for (const RegionSlot& slot : truth.state.contacts.slots) {
         if (slot.id == 0 || slot.count == 0) {
@@ -137,13 +160,16 @@ void RegionWatch::compare(const ContactSet& found, const Pose& bInA, const PairS
         life = truth.lives[slot.id];
         ++life.age;
         std::vector<PlacedContact> region;
-        append(slot, bInA, region);
-        const auto ours = belonging(found, region, bInA, settings.set.regions);
+        append(slot, step.bInA, region);
+        const auto ours = belonging(found, region, step.bInA, settings);
         if (life.found == 0 && !ours.empty()) {
             life.found = life.age;
-            const Push truly =
-                pushOf(belonging(truth.state.contacts, region, bInA, settings.set.regions), settings.maxDistance);
-            const Push push = pushOf(ours, settings.maxDistance);
+            if (!own) {
+                own = step.before;
+                update(step.a, step.b, step.bInA, step.exact, {}, *own);
+            }
+            const Push truly = pushOf(belonging(own->contacts, region, step.bInA, settings), step.exact.maxDistance);
+            const Push push = pushOf(ours, step.exact.maxDistance);
             const float force = std::max(truly.force.norm(), 1e-12F);
             m_counts.forceErrors.push_back((push.force - truly.force).norm() / force);
             m_counts.torqueErrors.push_back((push.torque - truly.torque).norm() /

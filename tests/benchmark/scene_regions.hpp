@@ -16,9 +16,11 @@ struct RegionCounts {
     std::uint64_t atFirst = 0;    ///< of these, found in their first step
     std::uint64_t withinTwo = 0;  ///< ... or their second
     std::uint64_t brief = 0;      ///< gone after one step without being found: not judged
-    /// Of the step in which a region is found: the difference of its push from the one that it has with nothing left
-    /// out, as a share of that; of the turning moment about A's origin, as a share of the push times its distance. A
-    /// contact pushes by how far it is within the distance.
+    /// Of the step in which a region is found: the difference of its push from the one that an exact search gives it in
+    /// the pair's place, from the same contacts of the step before, as a share of that; of the turning moment about A's
+    /// origin, as a share of the push times its distance. A contact pushes by how far it is within the distance. (Of
+    /// many contacts a region keeps four, others after other steps before: the exact search's own region may push
+    /// otherwise with nothing missed.)
     std::vector<double> forceErrors, torqueErrors;
 };
 
@@ -43,11 +45,20 @@ class RegionWatch {
         PairState state;
         std::map<std::uint32_t, Life> lives;
     };
-    void compare(const ContactSet& found, const Pose& bInA, const PairSettings& settings, Truth& truth);
+    /// A pair in one step.
+    struct Step {
+        const MeshModel& a;
+        const MeshModel& b;
+        Pose bInA;
+        PairSettings exact;
+        const PairState& before;  ///< the pair's own
+    };
+    void compare(const ContactSet& found, const Step& step, Truth& truth);
     void count(Life& life);
 
     Settings m_settings;  ///< of the world
     std::vector<btTransform> m_poses;
+    std::map<std::pair<int, int>, PairState> m_before;
     std::map<std::pair<int, int>, Truth> m_truths;
     RegionCounts m_counts;
 };
