@@ -35,8 +35,9 @@ struct NormalCone {
 /// Sine: leans beyond it are bounded less tightly (LeafShape::touch).
 inline constexpr float usualLean = 0.08F;
 
-/// A leaf block seen from outside, mesh frame: its box and a cone of the directions in which it can be touched.
-struct LeafShape {
+/// A leaf block seen from outside, mesh frame: its box and a cone of the directions in which it can be touched. One
+/// cache line of floats, which LeafFilter reads as such.
+struct alignas(64) LeafShape {
     Eigen::Vector3f center = Eigen::Vector3f::Zero();  ///< of the box, m
     Eigen::Vector3f half = Eigen::Vector3f::Zero();    ///< half extents, m
     Eigen::Vector3f axis = Eigen::Vector3f::UnitX();   ///< of the cone
@@ -45,8 +46,10 @@ struct LeafShape {
     /// About the same axis: every line from the leaf to what touches it across a gap, at a lean of up to usualLean.
     /// Cosine 0 or less: no such bound.
     NormalCone touch;
-    bool plain = false;  ///< inside a flat face: no corner and no edge that anything could end at
+    float plain = 0;  ///< 1: inside a flat face, no corner and no edge that anything could end at; else 0
+    float unused[2] = {};
 };
+static_assert(sizeof(LeafShape) == 64);
 
 struct MeshModel {
     Tree tree;

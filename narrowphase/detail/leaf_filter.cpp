@@ -7,25 +7,24 @@
 #include <hwy/foreach_target.h>
 
 #include <grapeshot/core/detail/wide.hpp>
+#include <grapeshot/core/detail/wide_rows.hpp>
 
 #ifndef GRAPESHOT_NARROWPHASE_DETAIL_LEAF_FILTER_ROWS
 #define GRAPESHOT_NARROWPHASE_DETAIL_LEAF_FILTER_ROWS
 namespace grapeshot::detail {
 
-/// Sixteen leaves of one side, lane by lane, each in its mesh's frame.
-struct alignas(64) LeafLanes {
-    float center[3][16], half[3][16], axis[3][16];
-    float cosine[16], sine[16];            // of the cone's half angle
-    float touchCosine[16], touchSine[16];  // of that of the lines to what touches it; cosine <= 0: it parts nothing
-    const float (*corner[16])[3][4];       // of the leaf block, [corner][axis][lane]
-    std::uint32_t plain = 0;
+/// Leaves of one side, each in its mesh's frame.
+struct LeafSource {
+    const LeafShape* shapes;
+    const LeafBlock* blocks;
 };
 struct LeafPose {
     float rotation[3][3];  // B's frame to A's
     float translation[3];
     float reach, rounding;
     float moreCosine, moreSine;
-    bool twoSided;
+    float widerCosine, widerSine;  // what bounds every line, beyond the spread, at an unusual lean
+    bool usual, twoSided;
 };
 
 }  // namespace grapeshot::detail
@@ -34,8 +33,27 @@ struct LeafPose {
 HWY_BEFORE_NAMESPACE();
 namespace grapeshot::detail::HWY_NAMESPACE {
 
-HWY_INLINE Vector16 loadRows(const float (&rows)[3][16]) {
-    return {load(rows[0]), load(rows[1]), load(rows[2])};
+/// Sixteen leaves of one side, lane by lane, each in its mesh's frame.
+struct Leaves16 {
+    Vector16 center, half, axis;
+    Float16 cosine, sine;            // of the cone's half angle
+    Float16 touchCosine, touchSine;  // of that of the lines to what touches it; cosine <= 0: it parts nothing
+    std::uint32_t plain;
+};
+HWY_INLINE Leaves16 leavesOf(const float* const (&shape)[16], const LeafPose& pose) {
+    Float16 row[16];
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        loadFours(shape, 4 * quarter, row + 4 * quarter);
+    }
+    Leaves16 leaves{
+        {row[0], row[1], row[2]}, {row[3], row[4], row[5]}, {row[6], row[7], row[8]}, row[9], row[10], row[11], row[12],
+        bits(row[13] > wide(0))};
+    if (!pose.usual) {
+        const Float16 cosine = leaves.cosine * wide(pose.widerCosine) - leaves.sine * wide(pose.widerSine);
+        leaves.touchSine = leaves.sine * wide(pose.widerCosine) + leaves.cosine * wide(pose.widerSine);
+        leaves.touchCosine = select(leaves.cosine > wide(0), cosine, leaves.cosine);
+    }
+    return leaves;
 }
 HWY_INLINE Vector16 abs(Vector16 v) {
     return {abs(v.x), abs(v.y), abs(v.z)};
@@ -68,20 +86,20 @@ struct Cone16 {
     Float16 length;           // of that offset, sideways
     Mask16 parts;             // not every line is within
 };
-HWY_INLINE Cone16 coneOf(const LeafLanes& own, Vector16 offset, Float16 rounding) {
+HWY_INLINE Cone16 coneOf(const Leaves16& own, Vector16 offset, Float16 rounding) {
     Cone16 cone;
-    cone.axis = loadRows(own.axis);
+    cone.axis = own.axis;
     const Vector16 across = offset - cone.axis * dot(offset, cone.axis);
     cone.length = sqrt(dot(across, across));
-    cone.parts = (load(own.touchCosine) > wide(0)) & (cone.length > rounding);
+    cone.parts = (own.touchCosine > wide(0)) & (cone.length > rounding);
     cone.sideways = across * (wide(1) / max(cone.length, wide(1e-30F)));
     return cone;
 }
 /// Do the boxes alone tell that all lines leave the cone? `inOther`: sideways, in the other leaf's frame.
-HWY_INLINE Mask16 boxesLieBeside(const LeafLanes& own, const Cone16& cone, Vector16 ownHalf, Vector16 inOther,
-                                 Vector16 otherHalf, const LeafPose& pose) {
-    const Float16 halves = dot(abs(cone.sideways), ownHalf) + dot(abs(inOther), otherHalf);
-    const Float16 most = load(own.touchSine) * wide(pose.reach) + wide(2 * pose.rounding);
+HWY_INLINE Mask16 boxesLieBeside(const Leaves16& own, const Cone16& cone, Vector16 inOther, Vector16 otherHalf,
+                                 const LeafPose& pose) {
+    const Float16 halves = dot(abs(cone.sideways), own.half) + dot(abs(inOther), otherHalf);
+    const Float16 most = own.touchSine * wide(pose.reach) + wide(2 * pose.rounding);
     return cone.parts & (cone.length - halves > most);
 }
 
@@ -123,32 +141,52 @@ HWY_INLINE Extents16 extentsOf(const float (*corner)[3][4], const Directions& di
     return {leastOfFours(result.low), mostOfFours(result.high)};
 }
 
+/// One of the two cones, for one pair.
+struct Touch {
+    bool parts;
+    float cosine, sine;
+};
 /// Of a line within a cone no more than the sine goes sideways, and no more than the tangent of what goes along its
 /// axis. `gap`: between the leaves, sideways; `tallest`: from one to the other, along the axis.
-HWY_INLINE bool liesBeside(float gap, float tallest, const LeafLanes& own, unsigned pair, const LeafPose& pose) {
-    const float sine = own.touchSine[pair];
-    return gap > sine * pose.reach || gap * own.touchCosine[pair] > sine * (tallest + pose.rounding);
+HWY_INLINE bool liesBeside(float gap, float tallest, const Touch& touch, const LeafPose& pose) {
+    return touch.parts &&
+           (gap > touch.sine * pose.reach || gap * touch.cosine > touch.sine * (tallest + pose.rounding));
 }
 
-/// Is the pair parted by one of the two cones? `parts`: bit 0 A's can, bit 1 B's.
-HWY_INLINE bool partedBy(const LeafLanes& a, const LeafLanes& b, unsigned pair, std::uint32_t parts,
-                         const Directions& inA, const Directions& inB, const LeafPose& pose) {
-    const Extents16 ofA = extentsOf(a.corner[pair], inA);
-    const Extents16 ofB = extentsOf(b.corner[pair], inB);
+/// Is the pair parted by one of the two cones, or by more than the reach along one of the directions?
+HWY_INLINE bool isParted(const float (*cornerA)[3][4], const float (*cornerB)[3][4], const Touch& touchA,
+                         const Touch& touchB, const Directions& inA, const Directions& inB, const LeafPose& pose) {
+    const Extents16 ofA = extentsOf(cornerA, inA);
+    const Extents16 ofB = extentsOf(cornerB, inB);
     const Float16 shift = wide(pose.translation[0]) * spreadA(inA.component[0]) +
                           wide(pose.translation[1]) * spreadA(inA.component[1]) +
                           wide(pose.translation[2]) * spreadA(inA.component[2]);
-    alignas(64) float above[16];  // from A's low end to B's high one
-    alignas(64) float below[16];  // from B's low end to A's high one
-    store(ofB.high + shift - ofA.low, above);
-    store(ofA.high - ofB.low - shift, below);
+    const Float16 up = ofB.high + shift - ofA.low;    // from A's low end to B's high one
+    const Float16 down = ofA.high - ofB.low - shift;  // from B's low end to A's high one
     const float rounding = 2 * pose.rounding;
+    if (any(min(up, down) < wide(-1.00001F * (pose.reach + rounding)))) {
+        return true;
+    }
+    alignas(64) float above[16];
+    alignas(64) float below[16];
+    store(up, above);
+    store(down, below);
     const auto larger = [](float x, float y) HWY_ATTR { return x > y ? x : y; };
-    return ((parts & 1U) != 0 && liesBeside(-below[0] - rounding, larger(above[4], below[4]), a, pair, pose)) ||
-           ((parts & 2U) != 0 && liesBeside(-above[8] - rounding, larger(above[12], below[12]), b, pair, pose));
+    return liesBeside(-below[0] - rounding, larger(above[4], below[4]), touchA, pose) ||
+           liesBeside(-below[8] - rounding, larger(above[12], below[12]), touchB, pose);
 }
 
-void leafKernel(const LeafLanes& a, const LeafLanes& b, const LeafPose& pose, std::uint32_t valid, LeafMasks& out) {
+void leafKernel(const LeafSource& sourceA, const LeafSource& sourceB, const LeafPair* pairs, std::uint32_t count,
+                const LeafPose& pose, LeafMasks& out) {
+    const float* shapesA[16];
+    const float* shapesB[16];
+    for (std::uint32_t lane = 0; lane < 16; ++lane) {
+        const LeafPair& pair = pairs[lane < count ? lane : 0];
+        shapesA[lane] = reinterpret_cast<const float*>(sourceA.shapes + pair.leafA);
+        shapesB[lane] = reinterpret_cast<const float*>(sourceB.shapes + pair.leafB);
+    }
+    const Leaves16 a = leavesOf(shapesA, pose);
+    const Leaves16 b = leavesOf(shapesB, pose);
     Turn toA;
     Turn toB;
     Turn sizes;
@@ -161,16 +199,14 @@ void leafKernel(const LeafLanes& a, const LeafLanes& b, const LeafPose& pose, st
             sizes.r[row][column] = sizesBack.r[column][row] = size;
         }
     }
-    const Vector16 halfA = loadRows(a.half);
-    const Vector16 halfB = loadRows(b.half);
     const Vector16 translation = {wide(pose.translation[0]), wide(pose.translation[1]), wide(pose.translation[2])};
-    const Vector16 offset = turned(toA, loadRows(b.center)) + translation - loadRows(a.center);
+    const Vector16 offset = turned(toA, b.center) + translation - a.center;
     const Vector16 offsetInB = turned(toB, offset);
-    const BoxGaps inA = gapsOf(offset, halfA + turned(sizes, halfB));
-    const BoxGaps inB = gapsOf(offsetInB, halfB + turned(sizesBack, halfA));
+    const BoxGaps inA = gapsOf(offset, a.half + turned(sizes, b.half));
+    const BoxGaps inB = gapsOf(offsetInB, b.half + turned(sizesBack, a.half));
     const Float16 reach = wide(pose.reach);
     const Float16 squaredReach = reach * reach;
-    out.within = bits((inA.square <= squaredReach) & (inB.square <= squaredReach)) & valid;
+    out.within = bits((inA.square <= squaredReach) & (inB.square <= squaredReach)) & ((1U << count) - 1U);
     out.touching = out.overlapping = 0;
     if (out.within == 0U) {
         return;
@@ -179,24 +215,22 @@ void leafKernel(const LeafLanes& a, const LeafLanes& b, const LeafPose& pose, st
     out.overlapping = bits(max(inA.largest, inB.largest) <= rounding) & out.within;
 
     // Cosine and sine of the sum of the three angles; from a half turn on the sine is negative.
-    const Float16 cosineA = load(a.cosine);
-    const Float16 cosineB = load(b.cosine);
-    const Float16 sineA = load(a.sine);
-    const Float16 sineB = load(b.sine);
     const Float16 zero = wide(0);
     const Float16 every = wide(-1);
-    const Float16 sineOfBoth = sineA * cosineB + cosineA * sineB;
-    const Float16 cosineOfBoth = cosineA * cosineB - sineA * sineB;
+    const Float16 sineOfBoth = a.sine * b.cosine + a.cosine * b.sine;
+    const Float16 cosineOfBoth = a.cosine * b.cosine - a.sine * b.sine;
     const Float16 sine = sineOfBoth * wide(pose.moreCosine) + cosineOfBoth * wide(pose.moreSine);
     const Float16 cosine = cosineOfBoth * wide(pose.moreCosine) - sineOfBoth * wide(pose.moreSine);
-    const Vector16 axisA = loadRows(a.axis);
-    const Float16 facing = -dot(axisA, turned(toA, loadRows(b.axis)));
-    Mask16 faces = (sineOfBoth <= zero) | (sine <= zero) | (cosineA <= every) | (cosineB <= every) | (facing >= cosine);
-    if (pose.twoSided) {
-        faces = faces | (-facing >= cosine);
-    }
+    const Float16 against = -dot(a.axis, turned(toA, b.axis));
+    const Float16 facing = pose.twoSided ? abs(against) : against;
+    const Mask16 faces =
+        (sineOfBoth <= zero) | (sine <= zero) | (a.cosine <= every) | (b.cosine <= every) | (facing >= cosine);
     out.touching = bits(faces) & out.within & ~(a.plain & b.plain);
 
+    // Across a gap the line between the two is within both cones of lines, so these face each other too.
+    const Float16 lineCosine = a.touchCosine * b.touchCosine - a.touchSine * b.touchSine - wide(1e-5F);
+    const Mask16 linesFace = (a.touchCosine <= zero) | (b.touchCosine <= zero) | (facing >= lineCosine);
+    out.touching &= bits(linesFace) | out.overlapping;
     const std::uint32_t apart = out.touching & ~out.overlapping;
     if (apart == 0U) {
         return;
@@ -205,22 +239,31 @@ void leafKernel(const LeafLanes& a, const LeafLanes& b, const LeafPose& pose, st
     const Cone16 coneB = coneOf(b, -offsetInB, rounding);
     const Vector16 ofA[4] = {coneA.sideways, coneA.axis, turned(toA, coneB.sideways), turned(toA, coneB.axis)};
     const Vector16 ofB[4] = {turned(toB, coneA.sideways), turned(toB, coneA.axis), coneB.sideways, coneB.axis};
-    const std::uint32_t beside = bits(boxesLieBeside(a, coneA, halfA, ofB[0], halfB, pose) |
-                                      boxesLieBeside(b, coneB, halfB, ofA[2], halfA, pose)) &
-                                 apart;
+    const std::uint32_t beside =
+        bits(boxesLieBeside(a, coneA, ofB[0], b.half, pose) | boxesLieBeside(b, coneB, ofA[2], a.half, pose)) & apart;
     out.touching &= ~beside;
-    const std::uint32_t open = apart & ~beside;
     const std::uint32_t partsA = bits(coneA.parts);
     const std::uint32_t partsB = bits(coneB.parts);
+    const std::uint32_t open = apart & ~beside & (partsA | partsB);
+    if (open == 0U) {
+        return;
+    }
     alignas(64) float inFrameA[4][3][16];
     alignas(64) float inFrameB[4][3][16];
+    alignas(64) float touch[4][16];
     storeDirections(ofA, inFrameA);
     storeDirections(ofB, inFrameB);
-    for (unsigned pair = 0; pair < 16; ++pair) {
-        const std::uint32_t parts = (partsA >> pair & 1U) | (partsB >> pair & 1U) << 1U;
-        if ((open >> pair & 1U) != 0 && parts != 0 &&
-            partedBy(a, b, pair, parts, directionsOf(inFrameA, pair), directionsOf(inFrameB, pair), pose)) {
-            out.touching &= ~(1U << pair);
+    store(a.touchCosine, touch[0]);
+    store(a.touchSine, touch[1]);
+    store(b.touchCosine, touch[2]);
+    store(b.touchSine, touch[3]);
+    for (std::uint32_t rest = open; rest != 0U; rest &= rest - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(rest));
+        const Touch touchA{(partsA >> lane & 1U) != 0, touch[0][lane], touch[1][lane]};
+        const Touch touchB{(partsB >> lane & 1U) != 0, touch[2][lane], touch[3][lane]};
+        if (isParted(sourceA.blocks[pairs[lane].leafA].corner, sourceB.blocks[pairs[lane].leafB].corner, touchA, touchB,
+                     directionsOf(inFrameA, lane), directionsOf(inFrameB, lane), pose)) {
+            out.touching &= ~(1U << lane);
         }
     }
 }
@@ -236,24 +279,6 @@ HWY_AFTER_NAMESPACE();
 
 namespace grapeshot::detail {
 namespace {
-
-void setLane(const MeshModel& model, std::uint32_t leaf, const NormalCone* wider, std::size_t lane, LeafLanes& to) {
-    const LeafShape& shape = model.leafShapes[leaf];
-    for (int axis = 0; axis < 3; ++axis) {
-        to.center[axis][lane] = shape.center[axis];
-        to.half[axis][lane] = shape.half[axis];
-        to.axis[axis][lane] = shape.axis[axis];
-    }
-    to.cosine[lane] = shape.cosSpread;
-    to.sine[lane] = shape.sinSpread;
-    const bool usual = wider == nullptr;
-    to.touchCosine[lane] = usual                 ? shape.touch.cosine
-                           : shape.cosSpread > 0 ? shape.cosSpread * wider->cosine - shape.sinSpread * wider->sine
-                                                 : shape.cosSpread;
-    to.touchSine[lane] = usual ? shape.touch.sine : shape.sinSpread * wider->cosine + shape.cosSpread * wider->sine;
-    to.corner[lane] = model.tree.leaves[leaf].corner;
-    to.plain |= shape.plain ? 1U << lane : 0U;
-}
 
 NormalCone coneOfAngle(float angle) {
     return {std::cos(angle), std::sin(angle)};
@@ -272,16 +297,6 @@ LeafFilter::LeafFilter(const MeshModel& a, const MeshModel& b, const Pose& bInA,
 }
 
 LeafMasks LeafFilter::operator()(std::span<const LeafPair> pairs) const noexcept {
-    LeafLanes a;
-    LeafLanes b;
-    if (pairs.size() < width) {
-        a = b = {};
-    }
-    const NormalCone* wider = m_usual ? nullptr : &m_wider;
-    for (std::size_t lane = 0; lane < pairs.size(); ++lane) {
-        setLane(*m_a, pairs[lane].leafA, wider, lane, a);
-        setLane(*m_b, pairs[lane].leafB, wider, lane, b);
-    }
     LeafPose pose;
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) {
@@ -293,10 +308,18 @@ LeafMasks LeafFilter::operator()(std::span<const LeafPair> pairs) const noexcept
     pose.rounding = m_rounding;
     pose.moreCosine = m_more.cosine;
     pose.moreSine = m_more.sine;
+    pose.widerCosine = m_wider.cosine;
+    pose.widerSine = m_wider.sine;
+    pose.usual = m_usual;
     pose.twoSided = m_twoSided;
     LeafMasks masks;
+    if (pairs.empty()) {
+        return masks;
+    }
     static constexpr auto kernel = GRAPESHOT_KERNEL_TABLE(leafKernel);
-    kernel.chosen()(a, b, pose, (pairs.size() < width ? 1U << pairs.size() : 1U << width) - 1U, masks);
+    kernel.chosen()({m_a->leafShapes.data(), m_a->tree.leaves.data()},
+                    {m_b->leafShapes.data(), m_b->tree.leaves.data()}, pairs.data(),
+                    static_cast<std::uint32_t>(pairs.size()), pose, masks);
     return masks;
 }
 

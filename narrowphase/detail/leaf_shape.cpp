@@ -214,8 +214,10 @@ Sliced leafShapesInSlices(MeshModel& model) {
             setBox(tree, leaf, shape);
             setCone(model, fans, leaf, shape);
             setTouch(model, leans, leaf, shape);
-            shape.plain = std::all_of(std::begin(leaf.triangle), std::end(leaf.triangle),
-                                      [&](std::uint32_t t) { return t == noTriangle || isPlain(model.traits[t]); });
+            const bool plain = std::all_of(std::begin(leaf.triangle), std::end(leaf.triangle), [&](std::uint32_t t) {
+                return t == noTriangle || isPlain(model.traits[t]);
+            });
+            shape.plain = plain ? 1.0F : 0.0F;
         }
     };
     constexpr std::size_t pieceLeaves = mostSlicedPiece / 4;  // four units each

@@ -512,11 +512,12 @@ TEST(LocalContacts, WorkIsKept) {
     search.add(leaves.pairs);
     const std::uint64_t whole = search.work();
     ASSERT_GT(whole, 20U);
-    for (const std::uint64_t most : {std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{10}, whole}) {
+    const std::uint64_t enough = whole + 2;  // the last pair may cost three, until it is known that it costs less
+    for (const std::uint64_t most : {std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{10}, enough}) {
         search.start(a, a, pose, {0.08F, 0.05F});
         const std::size_t done = search.add(leaves.pairs, most);
         EXPECT_LE(search.work(), most);
-        EXPECT_EQ(done == leaves.pairs.size(), most == whole);
+        EXPECT_EQ(done == leaves.pairs.size(), most == enough);
     }
 }
 
