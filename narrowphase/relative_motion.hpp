@@ -1,6 +1,8 @@
 // By how much two bodies have moved against each other: what decides whether something known of them still holds.
 #pragma once
 
+#include <limits>
+
 #include <Eigen/Core>
 
 #include <grapeshot/adb/tree.hpp>
@@ -16,10 +18,22 @@ namespace grapeshot {
 /// body that rolls hardly moves where it touches. 0 if there are none. Rigorous.
 [[nodiscard]] float nearMotionBound(const Tree& a, const Tree& b, const Pose& before, const Pose& now, float reach);
 
+/// Along the axes of a mesh's frame, m; holds nothing by default.
+struct Box {
+    Eigen::Vector3f lower = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity());
+    Eigen::Vector3f upper = Eigen::Vector3f::Constant(-std::numeric_limits<float>::infinity());
+};
+[[nodiscard]] inline Box boxOf(const Tree& tree) {
+    return {tree.lower, tree.upper};
+}
+
 /// Has the distance of any two points of A and B that are within `reach` of each other now surely changed by no more
 /// than `limit` (m) between two relative poses? By these bounds, of B's points against A and of A's against B, the
 /// cheap ones first.
 [[nodiscard]] bool movedAtMost(float limit, const Tree& a, const Tree& b, const Pose& before, const Pose& now,
                                float reach);
+/// The same of those points alone that lie in the boxes `inA` and `inB`.
+[[nodiscard]] bool movedAtMost(float limit, const Tree& a, const Tree& b, const Box& inA, const Box& inB,
+                               const Pose& before, const Pose& now, float reach);
 
 }  // namespace grapeshot

@@ -28,7 +28,7 @@ using detail::PairProcessor;
 using detail::SavedPair;
 
 constexpr std::array<char, 8> title{'G', 'S', 'S', 'T', 'A', 'T', 'E', '\n'};
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 constexpr std::size_t headerBytes = title.size() + 4 + 4 + 8 + 16;
 
 /// The parts of a world that are saved.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <grapeshot/adb/near_leaves.hpp>
 #include <grapeshot/narrowphase/detail/budgeted_tests.hpp>
 #include <grapeshot/narrowphase/detail/patch_walk.hpp>
 #include <grapeshot/narrowphase/pair_update.hpp>
@@ -17,6 +18,8 @@ namespace grapeshot::detail {
 struct PairSearch {
     LocalContactSearch local;
     LeafPairs leafPairs;
+    NearLeafSearch nearLeaves;
+    NearLeaves near;
     std::vector<LeafPair> witnesses;
     std::vector<std::pair<float, LeafPair>> ranked;
     PatchWalk walk;
