@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <iostream>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,34 +17,73 @@ namespace grapeshot::bench {
 namespace {
 
 constexpr int sampleEvery = 10;  // steps
+/// Of processor time, both worlds of a scene together: what takes longer is stopped, both after the same step.
+constexpr double limitSeconds = 15;
 
-struct DemoCourse {
-    bool finite = true;
-    double insideMean = 0;  ///< nodes, of the samples
-    int insideEnd = 0;
-    int nodes = 0;
-    std::vector<double> stepsUs;
-};
+class DemoCourse {
+  public:
+    DemoCourse(const SoftDemo& demo, scenes::Engine engine) : m_world(engine, demo.deformable) { demo.build(m_world); }
 
-DemoCourse runDemo(const SoftDemo& demo, scenes::Engine engine, int steps) {
-    SoftDemoWorld world(engine, demo.deformable);
-    demo.build(world);
-    DemoCourse course;
-    course.nodes = world.nodes();
-    int samples = 0;
-    for (int step = 1; step <= steps && course.finite; ++step) {
-        const double start = report::threadCpuUs();
-        world.step();
-        course.stepsUs.push_back(report::threadCpuUs() - start);
-        if (step % sampleEvery == 0) {
-            course.finite = world.isFinite();
-            course.insideEnd = course.finite ? world.nodesInside() : 0;
-            course.insideMean += course.insideEnd;
-            ++samples;
+    void step() {
+        if (m_finite) {
+            const double start = report::threadCpuUs();
+            m_world.step();
+            m_stepsUs.push_back(report::threadCpuUs() - start);
+            m_takenUs += m_stepsUs.back();
         }
     }
-    course.insideMean /= std::max(1, samples);
-    return course;
+    void sample() {
+        m_finite = m_finite && m_world.isFinite();
+        m_insideEnd = m_finite ? m_world.nodesInside() : 0;
+        m_insideSum += m_insideEnd;
+        ++m_samples;
+    }
+    [[nodiscard]] bool isFinite() const { return m_finite; }
+    [[nodiscard]] double takenSeconds() const { return m_takenUs / 1e6; }
+    /// Nodes, of the samples.
+    [[nodiscard]] double insideMean() const { return m_insideSum / std::max(1, m_samples); }
+    [[nodiscard]] int nodes() const { return m_world.nodes(); }
+
+    [[nodiscard]] report::Row row(const SoftDemo& demo, const std::string& method) const {
+        report::Row row;
+        row.scenario = "demo " + std::string(demo.name);
+        row.mesh = demo.deformable ? "deformable world" : "soft-rigid world";
+        row.method = method;
+        row.n = m_stepsUs.size();
+        row.timeUs = report::quantiles(m_stepsUs);
+        row.measured = {{"finite", m_finite ? 1.0 : 0.0},
+                        {"seconds", static_cast<double>(m_stepsUs.size()) / 60},
+                        {"insideMean", insideMean()},
+                        {"insideEnd", static_cast<double>(m_insideEnd)},
+                        {"nodes", static_cast<double>(nodes())}};
+        return row;
+    }
+
+  private:
+    SoftDemoWorld m_world;
+    std::vector<double> m_stepsUs;
+    double m_takenUs = 0;
+    bool m_finite = true;
+    double m_insideSum = 0;
+    int m_insideEnd = 0;
+    int m_samples = 0;
+};
+
+void runCourses(std::span<const std::unique_ptr<DemoCourse>> courses, int steps) {
+    bool late = false;
+    for (int step = 1; step <= steps && !late; ++step) {
+        double taken = 0;
+        for (const auto& course : courses) {
+            course->step();
+            taken += course->takenSeconds();
+        }
+        late = taken > limitSeconds;
+        if (step % sampleEvery == 0 || late) {
+            for (const auto& course : courses) {
+                course->sample();
+            }
+        }
+    }
 }
 
 }  // namespace
@@ -51,34 +92,26 @@ void runSoftDemos(const Options& options, report::Report& results) {
     const int steps = options.quick ? sampleEvery : 240;
     for (const SoftDemo& demo : softDemos()) {
         const std::string name(demo.name);
-        std::vector<DemoCourse> courses{runDemo(demo, scenes::Engine::grapeshot, steps)};
+        std::vector<std::unique_ptr<DemoCourse>> courses;
+        courses.push_back(std::make_unique<DemoCourse>(demo, scenes::Engine::grapeshot));
         if (!options.quick) {
-            courses.push_back(runDemo(demo, scenes::Engine::none, steps));
+            courses.push_back(std::make_unique<DemoCourse>(demo, scenes::Engine::none));
         }
-        for (std::size_t i = 0; i < courses.size(); ++i) {
-            report::Row row;
-            row.scenario = "demo " + name;
-            row.mesh = demo.deformable ? "deformable world" : "soft-rigid world";
-            row.method = i == 0 ? "grapeshot" : bulletsOwn;
-            row.n = courses[i].stepsUs.size();
-            row.timeUs = report::quantiles(courses[i].stepsUs);
-            row.measured = {{"finite", courses[i].finite ? 1.0 : 0.0},
-                            {"insideMean", courses[i].insideMean},
-                            {"insideEnd", static_cast<double>(courses[i].insideEnd)},
-                            {"nodes", static_cast<double>(courses[i].nodes)}};
-            results.rows.push_back(std::move(row));
-        }
+        runCourses(courses, steps);
+        const DemoCourse& ours = *courses.front();
+        const DemoCourse& theirs = *courses.back();
+        results.rows.push_back(ours.row(demo, "grapeshot"));
         Claims claims("soft demo " + name, results);
-        const bool isBulletFinite = courses.back().finite;
         claims.atLeast("nodes are where numbers say, or not with Bullet's own either",
-                       courses[0].finite || (!isBulletFinite && courses.size() > 1) ? 1 : 0, 1);
+                       ours.isFinite() || (!theirs.isFinite() && courses.size() > 1) ? 1 : 0, 1);
         if (courses.size() > 1) {
+            results.rows.push_back(theirs.row(demo, bulletsOwn));
             // Where both are the same but for rounding, bodies fall in other ways: a node or two is chance.
-            claims.atMost("nodes inside of rigid bodies, mean of the course", courses[0].insideMean,
-                          courses[1].insideMean + 0.002 * courses[1].nodes);
+            claims.atMost("nodes inside of rigid bodies, mean of the course", ours.insideMean(),
+                          theirs.insideMean() + 0.002 * theirs.nodes());
         }
-        std::cerr << "demo " << name << ": " << courses.front().insideMean << " of " << courses.front().nodes
-                  << " nodes inside, Bullet's own " << courses.back().insideMean << '\n';
+        std::cerr << "demo " << name << ": " << ours.insideMean() << " of " << ours.nodes()
+                  << " nodes inside, Bullet's own " << theirs.insideMean() << '\n';
     }
 }
 
