@@ -100,6 +100,7 @@ struct FacingQuery::State {
     std::vector<std::uint32_t> stamps;  // per vertex: the last one that it is apart from
     PosedLeaf sweptA{}, sweptB{};
     std::uint64_t work = 0;
+    std::uint64_t mostWork = unlimited;
 };
 
 FacingQuery::FacingQuery(const BallTree& a, const BallTree& b) : m_state(std::make_unique<State>(a, b)) {}
@@ -163,7 +164,7 @@ void FacingQuery::State::search(float distance, float reach, std::vector<Triangl
     leafPairs.clear();
     stack.assign(1, {0, 0});
     detail::ChildPairs children;
-    while (!stack.empty()) {
+    while (!stack.empty() && work <= mostWork) {
         const BallPair pair = stack.back();
         stack.pop_back();
         if (!isBallLeaf(pair.a) || !isBallLeaf(pair.b)) {
@@ -237,7 +238,7 @@ void FacingQuery::State::hitsOf(const Eigen::Vector3f& point, const BallTree& tr
     const float at[3] = {point[0], point[1], point[2]};
     detail::PointDistances found;
     for (std::size_t i = 0; i < count; ++i) {
-        if (!(partners.out[i] < most)) {
+        if (!(partners.out[i] < most) || work > mostWork) {
             continue;
         }
         ++work;
@@ -323,6 +324,9 @@ void FacingQuery::State::ask(Side& asking, Side& asked, float distance, const In
         }
         gather(asked.after, list);
         for (const std::uint32_t vertex : asking.owned.of(leaf)) {
+            if (work > mostWork) {
+                return;
+            }
             if (apart != nullptr) {
                 stamps.back() = vertex + 1;
                 stamps[vertex] = vertex + 1;
@@ -338,11 +342,12 @@ void FacingQuery::State::ask(Side& asking, Side& asked, float distance, const In
 }
 
 void FacingQuery::find(const SurfaceWay& a, const SurfaceWay& b, float distance, float reach, const IndexLists* apart,
-                       FacingResult& result) {
+                       FacingResult& result, std::uint64_t mostWork) {
     result.meeting.clear();
     result.ofA.clear();
     result.ofB.clear();
     result.fault.reset();
+    result.complete = false;
     result.work = 0;
     State& state = *m_state;
     const auto isOf = [](const SurfaceWay& way, const BallTree& tree) {
@@ -359,20 +364,29 @@ void FacingQuery::find(const SurfaceWay& a, const SurfaceWay& b, float distance,
         return;
     }
     state.work = 0;
+    state.mostWork = mostWork;
     state.a.begin(a);
     if (!state.isSelf()) {
         state.other->begin(b);
     }
     const float slack = 1e-6F * (state.a.tree().extent + state.b().tree().extent);
     state.search(distance, reach + slack, result.meeting);
-    std::ranges::sort(result.meeting);
-    state.group(true, state.a.tree().leaves.size());
-    state.ask(state.a, state.b(), distance, apart, result.ofA);
-    if (!state.isSelf()) {
-        state.group(false, state.b().tree().leaves.size());
-        state.ask(state.b(), state.a, distance, nullptr, result.ofB);
+    if (state.work <= mostWork) {
+        std::ranges::sort(result.meeting);
+        state.group(true, state.a.tree().leaves.size());
+        state.ask(state.a, state.b(), distance, apart, result.ofA);
+        if (!state.isSelf()) {
+            state.group(false, state.b().tree().leaves.size());
+            state.ask(state.b(), state.a, distance, nullptr, result.ofB);
+        }
     }
     result.work = state.work;
+    result.complete = state.work <= mostWork;
+    if (!result.complete) {
+        result.meeting.clear();
+        result.ofA.clear();
+        result.ofB.clear();
+    }
 }
 
 }  // namespace grapeshot

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include <grapeshot/core/budget.hpp>
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/core/triangle_pair.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
@@ -41,6 +42,7 @@ struct FacingResult {
     /// the nearest first. The vertices of a leaf stand together.
     std::vector<FacingPlace> ofA, ofB;
     std::optional<Fault> fault;  ///< topologyChanged or badSetting; nothing is listed then
+    bool complete = false;       ///< else it would have cost more than it may, or has a fault; nothing is listed then
     std::uint64_t work = 0;      ///< calls of 16-wide kernels
 };
 
@@ -58,8 +60,10 @@ class FacingQuery {
     /// @param distance m, >= 0 and finite
     /// @param reach m, 0..distance
     /// @param apart of one with itself: per vertex, ascending, those whose triangles it does not face; else null
+    /// @param mostWork units; what turns out to cost more is given up, after up to 40 more. It is not gone on with:
+    /// half of the answer would be wrong about the sides
     void find(const SurfaceWay& a, const SurfaceWay& b, float distance, float reach, const IndexLists* apart,
-              FacingResult& result);
+              FacingResult& result, std::uint64_t mostWork = unlimited);
 
   private:
     struct State;

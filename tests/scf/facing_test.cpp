@@ -187,5 +187,30 @@ TEST(Facing, OfOneWithItselfNeighboursDoNotFaceEachOther) {
     EXPECT_EQ(result.fault, Fault::topologyChanged);
 }
 
+TEST(Facing, WhatCostsTooMuchIsGivenUp) {
+    const FacingSheet lower(20, 0);
+    const FacingSheet upper(20, 0.05F);
+    const BallTree a = buildBallTree(lower.view());
+    const BallTree b = buildBallTree(upper.view());
+    FacingQuery query(a, b);
+    FacingResult whole;
+    FacingResult result;
+    const SurfaceWay wayA{lower.vertices, lower.vertices, lower.vertices, 1};
+    const SurfaceWay wayB{upper.vertices, upper.vertices, upper.vertices, 1};
+    query.find(wayA, wayB, 0.1F, 0, nullptr, whole);
+    ASSERT_TRUE(whole.complete);
+    ASSERT_GT(whole.work, 200U);
+    for (const std::uint64_t most : {std::uint64_t{0}, whole.work / 2, whole.work - 1}) {
+        query.find(wayA, wayB, 0.1F, 0, nullptr, result, most);
+        EXPECT_FALSE(result.complete);
+        EXPECT_LE(result.work, most + 40);
+        EXPECT_TRUE(result.ofA.empty() && result.ofB.empty() && result.meeting.empty());
+    }
+    query.find(wayA, wayB, 0.1F, 0, nullptr, result, whole.work);
+    EXPECT_TRUE(result.complete);
+    EXPECT_EQ(result.ofA.size(), whole.ofA.size());
+    EXPECT_EQ(result.work, whole.work);
+}
+
 }  // namespace
 }  // namespace grapeshot::test
