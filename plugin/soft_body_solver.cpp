@@ -7,9 +7,13 @@
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
 
-void SoftBodySolver::predictMotion(btScalar seconds) {
+bool SoftBodySolver::isOurs() const {
     const auto context = detail::Contexts::instance().find(m_dispatcher);
-    if (context == nullptr || !context->settings.softPairs) {
+    return context != nullptr && context->settings.softPairs;
+}
+
+void SoftBodySolver::predictMotion(btScalar seconds) {
+    if (!isOurs()) {
         btDefaultSoftBodySolver::predictMotion(seconds);
         return;
     }
@@ -61,6 +65,42 @@ void SoftBodySolver::predict(btSoftBody& body, btScalar seconds) {
     }
     body.m_rcontacts.resizeNoInitialize(0);
     body.m_scontacts.resizeNoInitialize(0);
+}
+
+void SoftBodySolver::solveConstraints(btScalar seconds) {
+    btDefaultSoftBodySolver::solveConstraints(seconds);
+    if (m_contactsLast && isOurs()) {
+        solveContactsOnceMore();
+    }
+}
+
+void SoftBodySolver::solveContactsOnceMore() {
+    // A contact of two bodies moves nodes of both.
+    m_places.clear();
+    for (int i = 0; i < m_softBodySet.size(); ++i) {
+        for (int k = 0; k < m_softBodySet[i]->m_nodes.size(); ++k) {
+            m_places.push_back(m_softBodySet[i]->m_nodes[k].m_x);
+        }
+    }
+    // Rigid ones last: their surfaces do not give way.
+    for (const auto solve : {&btSoftBody::PSolve_SContacts, &btSoftBody::PSolve_RContacts}) {
+        for (int i = 0; i < m_softBodySet.size(); ++i) {
+            if (m_softBodySet[i]->isActive() && m_softBodySet[i]->m_cfg.piterations > 0) {
+                solve(m_softBodySet[i], 1, 1);
+            }
+        }
+    }
+    auto before = m_places.begin();
+    for (int i = 0; i < m_softBodySet.size(); ++i) {
+        btSoftBody& body = *m_softBodySet[i];
+        const btScalar perSecond = body.m_sst.isdt * (1 - body.m_cfg.kDP);
+        for (int k = 0; k < body.m_nodes.size(); ++k, ++before) {
+            const btVector3 moved = body.m_nodes[k].m_x - *before;
+            if (!moved.isZero()) {
+                body.m_nodes[k].m_v += moved * perSecond;
+            }
+        }
+    }
 }
 
 void SoftBodySolver::updateNodeTree(btSoftBody& body) {

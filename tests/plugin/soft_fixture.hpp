@@ -15,7 +15,9 @@ namespace grapeshot::test {
 template <class AnyDispatcher>
 class SoftWorldWith {
   public:
-    explicit SoftWorldWith(const Settings& settings = {}, bool registered = true) {
+    /// @param ourSolver SoftBodySolver in place of Bullet's
+    explicit SoftWorldWith(const Settings& settings = {}, bool registered = true, bool ourSolver = false)
+        : world(&dispatcher, &broadphase, &solver, &configuration, ourSolver ? &softSolver : nullptr) {
         if (registered) {
             EXPECT_EQ(registerAlgorithms(&dispatcher, settings), Status::ok);
         }
@@ -64,7 +66,8 @@ class SoftWorldWith {
     AnyDispatcher dispatcher{&configuration};
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
-    btSoftRigidDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+    SoftBodySolver softSolver{&dispatcher};
+    btSoftRigidDynamicsWorld world;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
     std::vector<std::unique_ptr<btSoftBody>> softs;
 };
