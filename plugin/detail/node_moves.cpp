@@ -17,6 +17,10 @@ struct End {
     double inverseMass = 0;
 };
 
+/// Of a point beside nodes that cannot move, as a share of what its lightest node moves: the little that is left of
+/// the others' weights would throw those far away.
+constexpr double leastResponse = 0.06;
+
 struct Point {
     std::array<End, 6> ends{};
     Eigen::Vector3d normal;
@@ -90,11 +94,13 @@ NodeMoves nodeMoves(const MovableBodies& bodies, std::span<const SoftSurfaceCont
                 endOf(ofB, *bodies.b, contact.b[i], -static_cast<double>(contact.weightsB[static_cast<int>(i)]));
         }
         double response = 0;
+        double lightest = 0;
         for (const End& end : point.ends) {
             response += end.weight * end.weight * end.inverseMass;
+            lightest = std::max(lightest, end.inverseMass);
         }
         if (response > 0) {
-            point.scale = 1 / response;
+            point.scale = 1 / std::max(response, leastResponse * lightest);
             points.push_back(point);
         }
     }

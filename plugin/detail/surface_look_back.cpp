@@ -41,7 +41,61 @@ bool SurfaceContacts::Pass::slide(int body, std::uint32_t corner, Anchor& anchor
     }
     anchor.weights = foot.weights;
     const double height = (anchor.front ? 1 : -1) * foot.between.dot(normalOf(other, anchor.face, other.before));
-    return height < -0.3 * foot.between.norm();
+    return height < -0.3 * foot.between.norm() || isInSoftSolid(body, corner);
+}
+
+bool SurfaceContacts::Pass::isInSoftSolid(int body, std::uint32_t corner) const {
+    const SurfaceInStep& other = *m_bodies[1 - body];
+    if (!m_bodies[body]->rigid || !other.solid) {
+        return false;
+    }
+    // By the faces above: those that the vertical line through the corner crosses.
+    const Vector3d point = at(m_bodies[body]->before, corner);
+    int above = 0;
+    for (const Triangle& t : other.triangles) {
+        const Vector3d a = at(other.before, t[0]) - point;
+        const Vector3d b = at(other.before, t[1]) - point;
+        const Vector3d c = at(other.before, t[2]) - point;
+        const double ab = a.x() * b.z() - a.z() * b.x();
+        const double bc = b.x() * c.z() - b.z() * c.x();
+        const double ca = c.x() * a.z() - c.z() * a.x();
+        if ((ab > 0) == (bc > 0) && (bc > 0) == (ca > 0)) {
+            above += (bc * a.y() + ca * b.y() + ab * c.y()) * (ab > 0 ? 1 : -1) > 0 ? 1 : 0;
+        }
+    }
+    return above % 2 == 1;
+}
+
+void SurfaceContacts::Pass::spreadInSoftSolid() {
+    if (!m_bodies[1]->rigid || !m_bodies[0]->solid) {
+        return;
+    }
+    auto& known = anchors(1);
+    std::vector<std::uint32_t> front;
+    for (const auto& [corner, anchor] : known) {
+        front.push_back(corner);
+    }
+    std::vector<std::uint32_t> outside;  // ascending
+    while (!front.empty()) {
+        const std::uint32_t from = front.back();
+        front.pop_back();
+        for (const std::uint32_t corner : m_bodies[1]->surface->ring.of(from)) {
+            const auto place = std::ranges::lower_bound(outside, corner);
+            if (known.contains(corner) || (place != outside.end() && *place == corner)) {
+                continue;
+            }
+            Anchor anchor = known.at(from);
+            anchor.own = m_bodies[1]->surface->fan.of(corner).front();
+            anchor.front = true;
+            if (isInSoftSolid(1, corner)) {
+                static_cast<void>(slide(1, corner, anchor));
+                known.emplace(corner, anchor);
+                front.push_back(corner);
+            } else {
+                outside.insert(place, corner);
+            }
+        }
+    }
 }
 
 double SurfaceContacts::Pass::gapOf(const EdgePair& ends, bool along) const {
@@ -99,6 +153,7 @@ void SurfaceContacts::Pass::lookBack(std::span<const TrianglePair> pairs) {
     rememberCorners(pairs, [&](int body) { return body == 0 || first; });
     if (!first) {
         rememberCorners(pairs, [&](int body) { return body == 1; });
+        spreadInSoftSolid();
     }
     for (const TrianglePair& pair : pairs) {
         forEachEdgePair(pair, [&](const EdgePair& ends) {

@@ -150,6 +150,12 @@ class SurfaceContacts::Pass {
     /// A corner on the wrong side of a surface slides along below it, so that it comes back where it is and not where
     /// it passed. False if it is back, or beyond the rim.
     [[nodiscard]] bool slide(int body, std::uint32_t corner, Anchor& anchor) const;
+    /// Of a rigid mesh's corner and a soft solid, which has no other way to tell once it is deeper than the margins:
+    /// O(faces).
+    [[nodiscard]] bool isInSoftSolid(int body, std::uint32_t corner) const;
+    /// What is inside beside a rigid corner that is: where a node of the solid is in the mesh, nothing is learnt from
+    /// what its faces pass.
+    void spreadInSoftSolid();
     /// Of edges that have passed; 0 if they are beside each other now.
     [[nodiscard]] double gapOf(const EdgePair& ends, bool along) const;
 

@@ -119,16 +119,17 @@ TEST_P(SoftShotsAt, HardlyAnyGoesThrough) {
     for (const auto& [name, mesh] : meshes) {
         const SoftShots result = shootAtSoft(mesh, GetParam(), shots);
         RecordProperty(name, result.through);
-        EXPECT_LE(result.through, GetParam() ? shots / 100 : 0) << name;
+        // A torus may be left hanging in a sheet that is drawn through it.
+        const bool none = !GetParam() && name != std::string("torus");
+        EXPECT_LE(result.through, none ? 0 : shots / 100) << name;
         EXPECT_LT(result.fastest, 1.2) << name;
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Soft, SoftShotsAt, testing::Bool(),
-                         [](const auto& info) { return std::string(info.param ? "Solid" : "Cloth"); });
-
-TEST(SoftShots, WhatPassesByIsNotDisturbed) {
-    // 1 cm and both margins past the border of the sheet.
+TEST_P(SoftShotsAt, WhatPassesByIsNotDisturbed) {
+    // 1 cm and both margins past the border.
+    const bool solid = GetParam();
+    const btScalar place = (solid ? 0.6_s : 1.0_s) + 0.185_s;
     const MeshShape box(scenes::box({0.15F, 0.15F, 0.15F}, 2), Kind::mesh, 0.005_s);
     const int shots = sampleSize(10, 500);
     for (int i = 0; i < shots; ++i) {
@@ -136,16 +137,20 @@ TEST(SoftShots, WhatPassesByIsNotDisturbed) {
         const btScalar speed = 1 + 29 * btScalar(randomUnit(key, 0));
         SoftTestWorld world;
         world.setGravity({0, 0, 0});
-        btSoftBody& sheet = world.add(heldSheet(world.world.getWorldInfo()), 0.02_s);
+        btSoftBodyWorldInfo& info = world.world.getWorldInfo();
+        btSoftBody& soft = world.add(solid ? heldBlock(info) : heldSheet(info), 0.02_s);
         btRigidBody& body =
-            world.add(*box, at({1.185_s, 1 + btScalar(randomUnit(key, 1)), btScalar(randomUnit(key, 2))}), 1);
+            world.add(*box, at({place, 1 + btScalar(randomUnit(key, 1)), 0.6_s * btScalar(randomUnit(key, 2))}), 1);
         body.setLinearVelocity({0, -speed, 0});
         world.step(static_cast<int>(180 / speed));
         EXPECT_EQ(body.getLinearVelocity().y(), -speed);
         EXPECT_EQ(body.getLinearVelocity().x(), 0);
-        EXPECT_LT(fastest(sheet), 1e-5) << speed;
+        EXPECT_LT(fastest(soft), 1e-5) << speed;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(Soft, SoftShotsAt, testing::Bool(),
+                         [](const auto& info) { return std::string(info.param ? "Solid" : "Cloth"); });
 
 TEST(SoftShots, WhatFliesWithItsClothIsNotSlowed) {
     // A falling ball, a sheet just below it that falls as fast: it does not brake at what makes way.
