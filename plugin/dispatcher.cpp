@@ -84,7 +84,7 @@ DispatchPhases::DispatchPhases(btCollisionDispatcher& dispatcher, btOverlappingP
             }
         }
         if (m_context->frame.isInMain()) {
-            m_context->softLoop.run(*m_context);
+            m_context->softLoop.run(*m_context, info.m_timeStep);
         }
         m_context->reportFrame();
     } catch (...) {

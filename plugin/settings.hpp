@@ -85,7 +85,10 @@ struct Settings {
     bool bvhConvexPairs = false;
     /// Soft bodies (cloth, ropes, tetrahedra) against meshes and against each other, where the dispatcher's
     /// configuration knows soft bodies. Meshes: bodies with the collision flag SDF_RS or SDF_RD. Each other: both with
-    /// VF_SS, and without SDF_RD. Clusters, and what else they are flagged for, stay with Bullet. Contacts are of
+    /// VF_SS. Of btDeformableMultiBodyDynamicsWorld (both with SDF_RD): with VF_DD alone they stay Bullet's; with VF_SS
+    /// and VF_DD they are ours, and Bullet, which asks all pairs of bodies there whatever the dispatcher does, does
+    /// nothing about them; with VF_SS alone it makes contacts that nobody reads, which costs time. Clusters, and what
+    /// else they are flagged for, stay with Bullet. Contacts are of
     /// corners with faces and of edges with edges, with true normals, on the side that each came from, and ahead of
     /// time. Off: Bullet's own, for which every triangle is a slab of 12 cm.
     bool softPairs = true;

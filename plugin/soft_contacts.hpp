@@ -30,7 +30,8 @@ struct SelfCollision {
 
 /// From the next dispatch on, nodes and edges of the body stay on their side of its own faces. The dispatcher must be a
 /// Dispatcher, which has the hook for that (with any other this is ok and nothing happens: it cannot be told from ours
-/// before its first dispatch), and the world a btSoftRigidDynamicsWorld. Costs a search of the body
+/// before its first dispatch). In a btDeformableMultiBodyDynamicsWorld (bodies with SDF_RD) Bullet has its own for
+/// bodies with VF_DD and setSelfCollision(true): leave that false, or contacts are doubled. Costs a search of the body
 /// against itself in every step, within the frame's budget. Again: changes the settings.
 /// Call removeSelfCollision before the body is destroyed; while it is in no world it is left alone.
 Status addSelfCollision(btCollisionDispatcher* dispatcher, btSoftBody* body, const SelfCollision& how = {}) noexcept;

@@ -25,10 +25,10 @@ bool SoftLoop::remove(const btSoftBody* body) {
     return std::erase_if(m_selves, [body](const Itself& self) { return self.body == body; }) > 0;
 }
 
-void SoftLoop::run(Context& context) {
+void SoftLoop::run(Context& context, btScalar timeStep) {
     for (const Itself& self : m_selves) {
         btSoftBody& body = *self.body;
-        if (body.getBroadphaseHandle() == nullptr || rigidWorldOf(body) == SoftWorld::velocities) {
+        if (body.getBroadphaseHandle() == nullptr) {
             self.pair->forget();
             continue;
         }
@@ -38,6 +38,8 @@ void SoftLoop::run(Context& context) {
         SoftSoftTask task;
         task.look = context.dispatches;
         task.key = keyOf(body, body);
+        task.world = rigidWorldOf(body);
+        task.timeStep = timeStep;
         task.distance =
             self.how.thickness > 0 ? self.how.thickness : static_cast<float>(2 * body.getCollisionShape()->getMargin());
         task.exclusion = self.how.exclusion;

@@ -1,6 +1,8 @@
 // The soft side of one dispatcher: which pairs there are, and which bodies collide with themselves.
 #pragma once
 
+#include <LinearMath/btScalar.h>
+
 #include <memory>
 #include <span>
 #include <vector>
@@ -25,7 +27,8 @@ class SoftLoop {
     void add(Context& context, btSoftBody& body, const SelfCollision& how);
     bool remove(const btSoftBody* body);
     /// All that collide with themselves, in the order they came. Once per dispatch of the world's pairs.
-    void run(Context& context);
+    /// @param timeStep s
+    void run(Context& context, btScalar timeStep);
     void appendContacts(const btSoftBody& body, std::vector<SoftContact>& contacts) const;
 
     void enter(const SoftPair& pair) { m_pairs.push_back(&pair); }

@@ -46,7 +46,7 @@ void reportSoftPair(Context& context, const btCollisionObject& first, const btCo
     pair.proxyB = proxyOf(second);
     pair.soft = true;
     pair.method = Method::scf;
-    pair.sampled = !result.near.isWhole && (budget.work != unlimited || budget.time != never);
+    pair.sampled = !result.near.certain && !result.near.isWhole && (budget.work != unlimited || budget.time != never);
     pair.work = result.near.work;
     pair.slice = budget.work;
     pair.candidates = static_cast<std::uint32_t>(result.pairs);
@@ -75,11 +75,16 @@ SoftPair::~SoftPair() {
 
 namespace {
 
-/// Both want corners against faces, and are of one world that can be told it.
+/// Both want corners against faces, in the same world.
 bool isOurs(const btSoftBody& first, const btSoftBody& second) {
-    const int common = first.m_cfg.collisions & second.m_cfg.collisions;
-    return (common & btSoftBody::fCollision::SVSmask) == btSoftBody::fCollision::VF_SS &&
-           rigidWorldOf(first) != SoftWorld::velocities && rigidWorldOf(second) != SoftWorld::velocities;
+    using Flags = btSoftBody::fCollision;
+    const bool velocities = rigidWorldOf(first) == SoftWorld::velocities;
+    if (velocities != (rigidWorldOf(second) == SoftWorld::velocities)) {
+        return false;
+    }
+    const int kinds = first.m_cfg.collisions & second.m_cfg.collisions & Flags::SVSmask;
+    // With both VF_SS and VF_DD Bullet's own handler, which that world calls later once more, does nothing.
+    return kinds == Flags::VF_SS || (velocities && kinds == (Flags::VF_SS | Flags::VF_DD));
 }
 
 }  // namespace
@@ -93,7 +98,7 @@ void SoftPair::process(const btCollisionObjectWrapper& body0, const btCollisionO
     if (wanted && soft0 != nullptr && soft1 != nullptr && isOurs(*soft0, *soft1)) {
         m_rigid.reset();
         dropDelegate();
-        processSoft(*soft0, *soft1);
+        processSoft(*soft0, *soft1, info.m_timeStep);
         return;
     }
     m_soft.reset();
@@ -109,7 +114,7 @@ void SoftPair::process(const btCollisionObjectWrapper& body0, const btCollisionO
     delegate(body0, body1, info, result);
 }
 
-void SoftPair::processSoft(btSoftBody& first, btSoftBody& second) {
+void SoftPair::processSoft(btSoftBody& first, btSoftBody& second, btScalar timeStep) {
     if (isDisabled(first, second) || isDisabled(second, first)) {
         m_soft.reset();
         return;
@@ -121,6 +126,8 @@ void SoftPair::processSoft(btSoftBody& first, btSoftBody& second) {
     task.budget = softBudget(*m_context);
     task.look = m_context->framed ? m_context->dispatches : m_step;
     task.key = keyOf(first, second);
+    task.world = rigidWorldOf(first);
+    task.timeStep = timeStep;
     task.distance =
         static_cast<float>(first.getCollisionShape()->getMargin() + second.getCollisionShape()->getMargin());
     reportSoftPair(*m_context, first, second, m_soft->process(first, second, task), task.budget);

@@ -38,7 +38,7 @@ class SoftPair {
                   const btDispatcherInfo& info, btManifoldResult& result);
     void dropDelegate();
     void processMesh(btSoftBody& soft, const btCollisionObjectWrapper& rigid, const btDispatcherInfo& info);
-    void processSoft(btSoftBody& first, btSoftBody& second);
+    void processSoft(btSoftBody& first, btSoftBody& second, btScalar timeStep);
 
     btDispatcher& m_dispatcher;
     std::shared_ptr<Context> m_context;

@@ -8,6 +8,7 @@
 #include <grapeshot/plugin/detail/bring_back.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/near_vertices.hpp>
+#include <grapeshot/plugin/detail/repulsion_writer.hpp>
 #include <grapeshot/plugin/detail/soft_contact_writer.hpp>
 #include <grapeshot/scf/stretch.hpp>
 
@@ -82,9 +83,13 @@ bool SoftSoftPair::findSurfaces(btSoftBody& a, btSoftBody& b, const SoftSoftTask
 }
 
 /// Both bodies may fly together: their mean motion is of no concern.
-bool SoftSoftPair::readPositions(btSoftBody& a, btSoftBody& b) {
+bool SoftSoftPair::readPositions(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task) {
     const btTransform frame(btMatrix3x3::getIdentity(), m_origin);
     const auto read = [&](Side& side, const btSoftBody& body) {
+        if (task.world == SoftWorld::velocities) {
+            return deformedPositionsOf(body, *side.surface, 0, frame, side.before) &&
+                   deformedPositionsOf(body, *side.surface, task.timeStep, frame, side.after);
+        }
         return positionsOf(body, *side.surface, NodePart::before, frame, side.before) &&
                positionsOf(body, *side.surface, NodePart::after, frame, side.after);
     };
@@ -128,7 +133,7 @@ SurfaceInStep SoftSoftPair::inStep(const Side& side) const {
     return step;
 }
 
-Faced SoftSoftPair::findFaced(float distance, NearResult& result) {
+Faced SoftSoftPair::findFaced(float distance, std::uint64_t mostWork, NearResult& result) {
     const BallTree& a = m_a.surface->tree;
     const BallTree& b = m_itself ? a : m_b.surface->tree;
     if (m_facing == nullptr) {
@@ -140,22 +145,46 @@ Faced SoftSoftPair::findFaced(float distance, NearResult& result) {
     const SurfaceWay first = wayOf(m_a);
     const bool edges = std::max(a.surface.longestEdge, b.surface.longestEdge) > longestFineEdge * distance;
     m_facing->find(first, m_itself ? first : wayOf(m_b), distance, edges ? edgeReach * distance : 0,
-                   m_itself ? &m_nearVertices : nullptr, m_faced);
+                   m_itself ? &m_nearVertices : nullptr, m_faced, mostWork);
     m_pairs.swap(m_faced.meeting);
     result.work = m_faced.work;
-    result.certain = !m_faced.fault;
+    result.certain = m_faced.complete;
     result.stop = m_faced.fault ? StopReason::invalidInput : StopReason::certain;
     return {m_faced.ofA, m_faced.ofB, edges};
+}
+
+std::optional<Faced> SoftSoftPair::tryFaced(const SoftSoftTask& task, NearResult& result) {
+    if (task.budget.time != never) {
+        return std::nullopt;
+    }
+    std::uint64_t most = unlimited;
+    if (task.budget.work != unlimited) {
+        // What fails leaves enough for a sample.
+        most = task.budget.work - task.budget.work / 4;
+        if (m_facedNeed > task.budget.work / 2) {
+            m_facedNeed -= m_facedNeed / 16;
+            return std::nullopt;
+        }
+    }
+    Faced faced = findFaced(task.distance, most, result);
+    m_facedNeed = m_faced.complete ? m_faced.work : std::max(2 * m_facedNeed, task.budget.work);
+    const bool isAnswer = m_faced.complete || m_faced.fault;
+    return isAnswer ? std::optional(faced) : std::nullopt;
 }
 
 SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task) {
     SoftPairResult result;
     m_contacts.clear();
+    if (task.world == SoftWorld::velocities) {
+        // Nobody there reads or clears what Bullet makes for VF_SS.
+        a.m_scontacts.resizeNoInitialize(0);
+        b.m_scontacts.resizeNoInitialize(0);
+    }
     if (!findSurfaces(a, b, task, result.refusal)) {
         forget();
         return result;
     }
-    if (!readPositions(a, b)) {
+    if (!readPositions(a, b, task)) {
         result.refusal = "a node's position is no number";
         forget();
         return result;
@@ -169,12 +198,13 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     settings.seed = m_context.settings.seed;
     settings.pair = task.key;
     settings.budget = task.budget;
-    std::optional<Faced> faced;
-    const bool isSampled = task.budget.work != unlimited || task.budget.time != never;
-    if (!isSampled && task.exclusion == 0 && !first.thread && !second.thread) {
-        faced = findFaced(task.distance, result.near);
-    } else {
+    const bool canFace = task.exclusion == 0 && !first.thread && !second.thread;
+    const std::optional<Faced> faced = canFace ? tryFaced(task, result.near) : std::nullopt;
+    if (!faced) {
+        const std::uint64_t tried = result.near.work;
+        settings.budget.work -= settings.budget.work == unlimited ? 0 : std::min(settings.budget.work, tried);
         result.near = m_near->find(first, second, settings, m_pairs);
+        result.near.work += tried;
     }
     if (result.near.stop == StopReason::invalidInput) {
         result.refusal = "a position is no number";
@@ -188,28 +218,46 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
         result.crossings += contact.crossing ? 1 : 0;
         result.deepest = std::max(result.deepest, task.distance - contact.before);
     }
-    result.contacts = write(a, b, task.distance);
+    result.contacts = write(a, b, task);
     for (Side* side : {&m_a, &m_b}) {
         side->last.swap(side->before);
     }
     return result;
 }
 
-int SoftSoftPair::write(btSoftBody& a, btSoftBody& b, float distance) {
+int SoftSoftPair::write(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task) {
     if (m_contacts.empty() || !(a.isActive() || b.isActive())) {
         return 0;
     }
-    // Whose solver sleeps does not clear its contacts.
-    a.activate();
-    b.activate();
+    const bool velocities = task.world == SoftWorld::velocities;
+    for (btSoftBody* body : {&a, &b}) {
+        if (!body->isActive()) {
+            // Whose solver sleeps has not cleared its contacts.
+            body->m_scontacts.resizeNoInitialize(0);
+            body->m_faceNodeContacts.resizeNoInitialize(0);
+        }
+        body->activate();
+    }
     const MovableBodies movable{&a, &b, m_a.surface->thread, m_b.surface->thread};
     const auto hardness = static_cast<double>(btMin(a.m_cfg.kSHR, b.m_cfg.kSHR));
-    bringBack({movable, static_cast<double>(distance), 0.5 * hardness, btMatrix3x3::getIdentity()}, a, &b, &m_a.before,
-              &m_b.before, m_contacts);
-    const SoftContactSite site{a, b, *m_a.entry, *m_b.entry, btScalar(distance)};
+    bringBack({movable, static_cast<double>(task.distance), 0.5 * hardness, btMatrix3x3::getIdentity()}, a, &b,
+              &m_a.before, &m_b.before, m_contacts);
+    const SoftContactSite site{a, b, *m_a.entry, *m_b.entry};
     int written = 0;
     for (const SoftSurfaceContact& contact : m_contacts) {
-        written += writeSoftContact(site, contact);
+        m_parts.clear();
+        appendNodeFaces(site, contact, velocities ? btScalar(0.3) : btScalar(0.05), m_parts);
+        for (const NodeFace& part : m_parts) {
+            if (velocities) {
+                const bool ofB = contact.features == Features::faceCorner;
+                btSoftBody::Face& atNode =
+                    ofB ? site.entryB.face(b, contact.pair.triangleB) : site.entryA.face(a, contact.pair.triangleA);
+                written += writeRepulsion(part, atNode, btScalar(task.distance - contact.before));
+            } else {
+                const float further = std::min(task.distance, contact.before) - contact.after;
+                written += writeSoftContact(part, btScalar(further)) ? 1 : 0;
+            }
+        }
     }
     return written;
 }

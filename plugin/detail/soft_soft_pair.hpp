@@ -4,8 +4,10 @@
 #include <BulletSoftBody/btSoftBody.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include <grapeshot/plugin/detail/node_face.hpp>
 #include <grapeshot/plugin/detail/soft_rigid_pair.hpp>
 
 namespace grapeshot {
@@ -15,9 +17,11 @@ namespace detail {
 struct SoftSoftTask {
     std::uint64_t look = 0;  ///< see SoftEntry
     std::uint64_t key = 0;
-    float distance = 0;   ///< m, at which they touch
-    float exclusion = 0;  ///< m, of one with itself: see TrackSettings
-    float spacing = 0;    ///< m; 0: half an edge
+    float distance = 0;                      ///< m, at which they touch
+    float exclusion = 0;                     ///< m, of one with itself: see TrackSettings
+    float spacing = 0;                       ///< m; 0: half an edge
+    SoftWorld world = SoftWorld::positions;  ///< of both
+    btScalar timeStep = 0;                   ///< s
     Budget budget;
 };
 
@@ -25,7 +29,7 @@ class SoftSoftPair {
   public:
     explicit SoftSoftPair(Context& context) : m_context(context) {}
 
-    /// The same body twice: with itself. Bodies of btSoftRigidDynamicsWorld, during a dispatch.
+    /// The same body twice: with itself. During a dispatch.
     SoftPairResult process(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task);
     void forget();
     /// Those of the last step that the body has a part in.
@@ -39,11 +43,14 @@ class SoftSoftPair {
         std::vector<Eigen::Vector3f> last, before, after;
     };
     bool findSurfaces(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task, std::string& refusal);
-    bool readPositions(btSoftBody& a, btSoftBody& b);
+    bool readPositions(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task);
     SurfaceInStep inStep(const Side& side) const;
     /// Everything, by what neighbourhoods move against each other.
-    Faced findFaced(float distance, NearResult& result);
-    int write(btSoftBody& a, btSoftBody& b, float distance);
+    Faced findFaced(float distance, std::uint64_t mostWork, NearResult& result);
+    /// The same if the budget is likely to be enough: that takes a small part of what sampling all pairs of triangles
+    /// within the distance does. None: it was not enough, or is not tried in this step.
+    std::optional<Faced> tryFaced(const SoftSoftTask& task, NearResult& result);
+    int write(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task);
 
     Context& m_context;
     Side m_a, m_b;  // of one with itself only the first
@@ -58,7 +65,9 @@ class SoftSoftPair {
     std::vector<TrianglePair> m_pairs;
     std::unique_ptr<FacingQuery> m_facing;
     FacingResult m_faced;
+    std::uint64_t m_facedNeed = 0;  // units, by the last steps
     std::vector<SoftSurfaceContact> m_contacts;
+    std::vector<NodeFace> m_parts;
 };
 
 }  // namespace detail

@@ -1,12 +1,9 @@
 // Cloth against rigid meshes and multi-bodies in btDeformableMultiBodyDynamicsWorld.
 #include <BulletDynamics/Featherstone/btMultiBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
-#include <BulletSoftBody/btDeformableBodySolver.h>
-#include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
-#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
 #include <gmock/gmock.h>
 
-#include "soft_fixture.hpp"
+#include "deformable_fixture.hpp"
 #include "support/test_size.hpp"
 
 namespace grapeshot::test {
@@ -17,11 +14,7 @@ using Flags = btSoftBody::fCollision;
 /// A cloth above a torus mesh.
 class DeformableScene {
   public:
-    explicit DeformableScene(bool multiBody, int flags = Flags::SDF_RDN | Flags::SDF_RDF | Flags::SDF_MDF) {
-        EXPECT_EQ(registerAlgorithms(&m_dispatcher), Status::ok);
-        m_solver.setDeformableSolver(&m_deformableSolver);
-        world.setGravity({0, -9.81_s, 0});
-        world.getWorldInfo().m_gravity.setValue(0, -9.81_s, 0);
+    explicit DeformableScene(bool multiBody, int flags = meetsRigid | Flags::SDF_MDF) {
         if (multiBody) {
             m_body.setBasePos({0, 0, 0});
             m_body.finalizeMultiDof();
@@ -29,60 +22,33 @@ class DeformableScene {
             m_collider.setWorldTransform(at({0, 0, 0}));
             m_collider.setFriction(1);
             m_body.setBaseCollider(&m_collider);
-            world.addMultiBody(&m_body);
-            world.addCollisionObject(&m_collider, 2, 3);
+            m_world.world.addMultiBody(&m_body);
+            m_world.world.addCollisionObject(&m_collider, 2, 3);
         } else {
-            m_rigid.setFriction(1);
-            world.addRigidBody(&m_rigid);
+            m_world.add(*m_torus, at({0, 0, 0})).setFriction(1);
         }
-        sheet.reset(cloth(world.getWorldInfo(), {0, 0.4_s, 0}, 1.3_s, 21, 0, 1));
-        sheet->getCollisionShape()->setMargin(0.02_s);
-        sheet->m_cfg.collisions = Flags::SDF_RD | flags;
-        sheet->m_cfg.kKHR = sheet->m_cfg.kCHR = sheet->m_cfg.kDF = 1;
-        world.addSoftBody(sheet.get());
-        world.addForce(sheet.get(), &m_springs);
-        world.addForce(sheet.get(), &m_gravity);
+        sheet = &m_world.add(cloth(m_world.world.getWorldInfo(), {0, 0.4_s, 0}, 1.3_s, 21, 0, 1), 0.02_s, flags);
+        sheet->m_cfg.kDF = 1;
     }
     ~DeformableScene() {
-        world.removeForce(sheet.get(), &m_springs);
-        world.removeForce(sheet.get(), &m_gravity);
-        world.removeSoftBody(sheet.get());
         if (m_body.getBaseCollider() != nullptr) {
-            world.removeCollisionObject(&m_collider);
-            world.removeMultiBody(&m_body);
-        } else {
-            world.removeRigidBody(&m_rigid);
+            m_world.world.removeCollisionObject(&m_collider);
+            m_world.world.removeMultiBody(&m_body);
         }
     }
     DeformableScene(const DeformableScene&) = delete;
     DeformableScene& operator=(const DeformableScene&) = delete;
 
-    void step(int count) {
-        for (int i = 0; i < count; ++i) {
-            world.stepSimulation(1.0_s / 240, 0, 1.0_s / 240);
-        }
-    }
-    [[nodiscard]] const StepStatistics& stats() const { return statistics(&m_dispatcher); }
+    void step(int count) { m_world.step(count); }
+    [[nodiscard]] const StepStatistics& stats() const { return m_world.stats(); }
+
+    btSoftBody* sheet = nullptr;
 
   private:
     MeshShape m_torus{scenes::torus(1, 0.3F, 48, 24), Kind::bvh, 0.005_s};
-    btSoftBodyRigidBodyCollisionConfiguration m_configuration;
-    btCollisionDispatcher m_dispatcher{&m_configuration};
-    btDbvtBroadphase m_broadphase;
-    btDeformableBodySolver m_deformableSolver;
-    btDeformableMultiBodyConstraintSolver m_solver;
-
-  public:
-    btDeformableMultiBodyDynamicsWorld world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration,
-                                             &m_deformableSolver};
-    std::unique_ptr<btSoftBody> sheet;
-
-  private:
-    btRigidBody m_rigid{btRigidBody::btRigidBodyConstructionInfo(0, nullptr, m_torus.get())};
     btMultiBody m_body{0, 1, {1, 1, 1}, true, false};
     btMultiBodyLinkCollider m_collider{&m_body, -1};
-    btDeformableMassSpringForce m_springs{10, 0.2_s, true};
-    btDeformableGravityForce m_gravity{{0, -9.81_s, 0}};
+    DeformableTestWorld m_world;
 };
 
 TEST(Deformable, ClothRestsOnARigidMesh) {
@@ -105,7 +71,7 @@ TEST(Deformable, ClothRestsOnAMultiBody) {
 }
 
 TEST(Deformable, FlagsSayWhichFeaturesCollide) {
-    DeformableScene scene(false, Flags::SDF_RDN);
+    DeformableScene scene(false, Flags::SDF_RD | Flags::SDF_RDN);
     scene.step(90);
     EXPECT_GT(scene.sheet->m_nodeRigidContacts.size(), 0);
     EXPECT_EQ(scene.sheet->m_faceRigidContacts.size(), 0);
