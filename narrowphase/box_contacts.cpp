@@ -60,15 +60,32 @@ class BoxContactFinder {
         return m_work;
     }
 
+    /// What `run` looks at.
+    std::uint64_t regions(std::vector<SearchRegion>& out) const {
+        out.push_back(nearestHalf());
+        if (!bodiesNearEdges()) {
+            return 0;
+        }
+        for (unsigned from = 0; from < 8; ++from) {
+            out.push_back(around(from, from));
+            for (unsigned axis = 0; axis < 3; ++axis) {
+                if ((from & (1U << axis)) == 0) {
+                    out.push_back(around(from, from | (1U << axis)));
+                }
+            }
+        }
+        return m_mesh.solid ? 8 : 0;
+    }
+
   private:
     detail::ContactCollector& found() { return m_scratch.collector; }
 
     // Mesh corners against the box's faces, edges and corners.
 
-    void meshCorners() {
+    /// Below the face beyond which most of the mesh is: it leaves the fewest candidates.
+    [[nodiscard]] SearchRegion nearestHalf() const {
         const Vector3f middle = (m_mesh.tree.lower + m_mesh.tree.upper) / 2;
         const Vector3f inBox = m_box.pose.rotation.transpose() * (middle - m_box.pose.translation);
-        // The face beyond which most of the mesh is leaves the fewest candidates.
         unsigned best = 0;
         float farthest = -std::numeric_limits<float>::infinity();
         for (unsigned face = 0; face < 6; ++face) {
@@ -79,8 +96,19 @@ class BoxContactFinder {
             }
         }
         const Vector3f normal = m_box.pose.rotation * faceNormal(best);
-        const float offset = normal.dot(m_box.pose.translation) + m_box.half[best / 2] + m_maxDistance;
-        m_scratch.candidates.belowPlane(m_mesh, normal, offset);
+        return SearchRegion::belowPlane(normal,
+                                        normal.dot(m_box.pose.translation) + m_box.half[best / 2] + m_maxDistance);
+    }
+
+    /// The edge between two corners and what is within reach of it.
+    [[nodiscard]] SearchRegion around(unsigned from, unsigned to) const {
+        return SearchRegion::inBox(m_corner[from].cwiseMin(m_corner[to]).array() - m_maxDistance,
+                                   m_corner[from].cwiseMax(m_corner[to]).array() + m_maxDistance);
+    }
+
+    void meshCorners() {
+        const SearchRegion half = nearestHalf();
+        m_scratch.candidates.belowPlane(m_mesh, half.normal, half.offset);
         m_work += m_scratch.candidates.work();
         m_inside.clear();
         const Vector3f limit = m_box.half.array() + m_maxDistance;
@@ -218,9 +246,9 @@ class BoxContactFinder {
     }
 
     void boxEdge(unsigned from, unsigned to, unsigned axis) {
-        const Vector3f lower = m_corner[from].cwiseMin(m_corner[to]).array() - m_maxDistance;
-        const Vector3f upper = m_corner[from].cwiseMax(m_corner[to]).array() + m_maxDistance;
-        if ((lower.array() > m_mesh.tree.upper.array()).any() || (upper.array() < m_mesh.tree.lower.array()).any()) {
+        const SearchRegion near = around(from, to);
+        if ((near.lower.array() > m_mesh.tree.upper.array()).any() ||
+            (near.upper.array() < m_mesh.tree.lower.array()).any()) {
             return;
         }
         detail::SurfaceEdge onBox;
@@ -237,7 +265,7 @@ class BoxContactFinder {
         const bool nextIsLeft = normal(next).cross(m_corner[to] - m_corner[from]).dot(normal(last)) < 0;
         onBox.own = normal(nextIsLeft ? next : last);
         onBox.across = normal(nextIsLeft ? last : next);
-        m_scratch.candidates.inBox(m_mesh, lower, upper);
+        m_scratch.candidates.inBox(m_mesh, near.lower, near.upper);
         m_work += m_scratch.candidates.work();
         for (const std::uint32_t triangle : m_scratch.candidates.triangles()) {
             for (unsigned edge = 0; edge < 3; ++edge) {
@@ -306,17 +334,22 @@ class BoxContactFinder {
 
 }  // namespace
 
+std::uint64_t detail::boxRegions(const MeshModel& mesh, const BoxSolid& box, float maxDistance,
+                                 std::vector<SearchRegion>& out) {
+    std::vector<Inside> inside;
+    return BoxContactFinder(mesh, box, maxDistance, {}, convexScratch(nullptr), inside).regions(out);
+}
+
 std::uint64_t boxContacts(const MeshModel& mesh, const BoxSolid& box, float maxDistance,
-                          const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
+                          const LocalContactSettings& settings, std::vector<SurfaceContact>& out, LeafChoice* choice) {
     thread_local std::vector<Inside> inside;
-    detail::ConvexScratch& scratch = detail::convexScratch();
-    scratch.collector.clear();
+    detail::ConvexScratch& scratch = detail::convexScratch(choice);
     const std::size_t first = out.size();
     std::uint64_t work = BoxContactFinder(mesh, box, maxDistance, settings, scratch, inside).run();
     scratch.collector.thinCorners();
     scratch.collector.finish(1e-4F * std::min(mesh.tree.radius, box.half.norm()), out);
-    if (out.size() == first) {
-        work += detail::boxCutContacts(mesh, box, out);
+    if (out.size() == first && (choice == nullptr || choice->all)) {
+        work += detail::boxCutContacts(mesh, box, out, choice);
     }
     return work;
 }

@@ -151,14 +151,14 @@ class AxisContacts {
 }  // namespace
 
 std::uint64_t capsuleContacts(const MeshModel& mesh, const CapsuleSolid& capsule, float maxDistance,
-                              const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
+                              const LocalContactSettings& settings, std::vector<SurfaceContact>& out,
+                              LeafChoice* choice) {
     const Vector3f axis = capsule.to - capsule.from;
     const float length = axis.norm();
     if (!(length > 0)) {
-        return sphereContacts(mesh, {capsule.from, capsule.radius}, maxDistance, settings, out);
+        return sphereContacts(mesh, {capsule.from, capsule.radius}, maxDistance, settings, out, choice);
     }
-    detail::ConvexScratch& scratch = detail::convexScratch();
-    scratch.collector.clear();
+    detail::ConvexScratch& scratch = detail::convexScratch(choice);
     std::uint64_t work = 0;
     const Vector3f forwards = axis / length;
     const Vector3f backwards = -forwards;

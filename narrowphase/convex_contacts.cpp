@@ -11,10 +11,18 @@ namespace grapeshot {
 
 using Eigen::Vector3f;
 
+bool LeafChoice::pay(std::uint64_t work) {
+    complete = complete && purse.left().work >= work;
+    if (complete) {
+        purse.pay(work);
+    }
+    return complete;
+}
+
 std::uint64_t planeContacts(const MeshModel& mesh, const PlaneSolid& plane, float maxDistance,
-                            const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
-    detail::ConvexScratch& scratch = detail::convexScratch();
-    scratch.collector.clear();
+                            const LocalContactSettings& settings, std::vector<SurfaceContact>& out,
+                            LeafChoice* choice) {
+    detail::ConvexScratch& scratch = detail::convexScratch(choice);
     scratch.candidates.belowPlane(mesh, plane.normal, plane.offset + maxDistance);
     for (const std::uint32_t triangle : scratch.candidates.triangles()) {
         const Triangle& corner = mesh.tree.triangles[triangle];
@@ -44,9 +52,9 @@ std::uint64_t planeContacts(const MeshModel& mesh, const PlaneSolid& plane, floa
 }
 
 std::uint64_t sphereContacts(const MeshModel& mesh, const SphereSolid& sphere, float maxDistance,
-                             const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
-    detail::ConvexScratch& scratch = detail::convexScratch();
-    scratch.collector.clear();
+                             const LocalContactSettings& settings, std::vector<SurfaceContact>& out,
+                             LeafChoice* choice) {
+    detail::ConvexScratch& scratch = detail::convexScratch(choice);
     const detail::Ball ball{sphere.center, sphere.radius, {}, detail::faceKey(0)};
     const std::uint64_t work =
         detail::pointContacts(mesh, ball, maxDistance, settings, scratch.candidates, scratch.collector);

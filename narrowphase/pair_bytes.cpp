@@ -56,11 +56,24 @@ std::vector<LeafPair> loadCandidates(ByteReader& in, const LoadedModels& models)
     for (LeafPair& pair : candidates) {
         pair.leafA = in.get<std::uint32_t>();
         pair.leafB = in.get<std::uint32_t>();
-        in.require(!models.sameTrees || (models.b != nullptr && pair.leafA < models.a->tree.leaves.size() &&
-                                         pair.leafB < models.b->tree.leaves.size()),
+        const std::size_t leavesOfB = models.b != nullptr ? models.b->tree.leaves.size() : 1;
+        in.require(!models.sameTrees || (pair.leafA < models.a->tree.leaves.size() && pair.leafB < leavesOfB),
                    "a leaf that does not exist");
     }
     return candidates;
+}
+
+std::vector<OpenChild> loadOpenChildren(ByteReader& in, const LoadedModels& models) {
+    std::vector<OpenChild> open(in.count(sizeof(float) + sizeof(ChildRef)));
+    for (OpenChild& child : open) {
+        child.distance = in.get<float>();
+        child.child = in.get<ChildRef>();
+        const Tree& tree = models.a->tree;
+        const std::size_t count = isLeaf(child.child) ? tree.leaves.size() : tree.nodes.size();
+        in.require(!models.sameTrees || (indexOf(child.child) < count && !std::isnan(child.distance)),
+                   "a node that does not exist");
+    }
+    return open;
 }
 
 }  // namespace
@@ -120,6 +133,11 @@ void save(const PairState& state, ByteWriter& out) {
     }
     out.put(static_cast<std::uint64_t>(traversal.size()));
     out.put(std::span<const std::byte>(traversal));
+    out.put(static_cast<std::uint64_t>(state.openChildren.size()));
+    for (const OpenChild& open : state.openChildren) {
+        out.put(open.distance);
+        out.put(open.child);
+    }
     out.put(state.traversalDistance);
     out.put(state.traversalWork);
     out.put(static_cast<std::uint64_t>(state.nextCandidate));
@@ -172,6 +190,7 @@ PairState loadPairState(ByteReader& in, const LoadedModels& models) {
         state.traversal = Query::load(models.a->tree, models.b->tree, inner);
         inner.require(inner.left() == 0, "more bytes");
     }
+    state.openChildren = loadOpenChildren(in, models);
     state.traversalDistance = in.get<float>();
     state.traversalWork = in.get<std::uint64_t>();
     const auto next = in.get<std::uint64_t>();

@@ -65,18 +65,6 @@ void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
                       });
 }
 
-/// Does some kept point penetrate?
-bool penetrates(const ContactSet& set) {
-    return std::any_of(set.slots.begin(), set.slots.end(), [](const RegionSlot& slot) {
-        const auto end = slot.points.begin() + slot.count;
-        return std::any_of(slot.points.begin(), end, [](const auto& point) { return point.signedDistance <= 0.0F; });
-    });
-}
-
-/// As long as a pair is cut short, its points are let slide farther before they are dropped: by so many times the
-/// usual. What held a body a step ago is the best guess at what holds it now.
-constexpr float slidingEvidence = 8;
-
 /// Is what was found at the last search off by no more than reuseMotion, and nothing else nearer than maxDistance less
 /// that? What was not within searchReach then may have come nearer by the difference too.
 bool stillHolds(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
@@ -133,12 +121,12 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     }
     ContactSetSettings staying = settings.set;
     if (state.cutShort && !Purse(budget).isUnlimited()) {
-        staying.mergeDistance *= slidingEvidence;
+        staying.mergeDistance *= detail::slidingEvidence;
     }
     const bool allStayed = refresh(state.contacts, bInA, staying);
     if (state.searchHolds && allStayed && stillHolds(a, b, bInA, settings, state)) {
         result.method = byFeatures(a, b, settings) ? Method::scf : Method::adb;
-        result.collides = penetrates(state.contacts);
+        result.collides = detail::penetrates(state.contacts);
         result.refreshed = result.certain = true;
         result.stop = StopReason::certain;
         return result;
@@ -158,7 +146,7 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     }
     merge(state.contacts, s.found, bInA, complete, settings.set);
     if (!complete) {
-        result.collides = result.collides || penetrates(state.contacts);
+        result.collides = result.collides || detail::penetrates(state.contacts);
     }
     state.cutShort = !complete;
     state.searchPose = bInA;

@@ -49,6 +49,13 @@ struct PairSettings {
     ContactSetSettings set;
 };
 
+/// A child of a node that a search in one tree has still to look into.
+struct OpenChild {
+    float distance = 0;  ///< no part of it is nearer than this, m
+    ChildRef child = noChild;
+    friend bool operator==(const OpenChild&, const OpenChild&) = default;
+};
+
 /// All that a pair remembers between steps; a value (copy it to save, assign it to restore: the following steps give
 /// the same bytes). Candidates and search refer to the two models it was made with; see forgetSearch.
 struct PairState {
@@ -60,6 +67,9 @@ struct PairState {
     float candidateDistance = -1;  ///< m; negative: not all
     /// Cut short by a budget: goes on in the next step, for as long as the bodies stay within what it looks for.
     std::optional<Query> traversal;
+    /// The same of a mesh against a solid: a heap, nearest first. Its candidates have leaf 0 of no tree as their
+    /// second.
+    std::vector<OpenChild> openChildren;
     float traversalDistance = -1;     ///< what it looks for, in candidatePose, m
     std::uint64_t traversalWork = 0;  ///< its work so far
     std::size_t nextCandidate = 0;    ///< where the tests go on if a budget ended them

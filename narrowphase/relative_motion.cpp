@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using Eigen::Vector3f;
 
 /// In double, so that an inverse is one, whatever the rotation is.
 struct ExactPose {
@@ -73,6 +74,23 @@ float motionBound(const Pose& before, const Pose& now, float radiusOfB) {
 
 float nearMotionBound(const Tree& a, const Tree& b, const Pose& before, const Pose& now, float reach) {
     return roundedUp(boundOfNear(boxOf(a), boxOf(b), exact(before), exact(now), static_cast<double>(reach)));
+}
+
+float boxMotionBound(const Tree& a, const Pose& before, const Pose& now) {
+    const ExactPose first = inverse(exact(before));
+    const ExactPose second = inverse(exact(now));
+    // What a point of A has moved in B's frame is affine in it, so it is largest at a corner.
+    const Matrix3d turn = second.rotation - first.rotation;
+    const Vector3d offset = second.translation - first.translation;
+    double farthest = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const Vector3d x =
+            Vector3f((corner & 1U) != 0 ? a.upper.x() : a.lower.x(), (corner & 2U) != 0 ? a.upper.y() : a.lower.y(),
+                     (corner & 4U) != 0 ? a.upper.z() : a.lower.z())
+                .cast<double>();
+        farthest = std::max(farthest, (turn * x + offset).squaredNorm());
+    }
+    return roundedUp(std::sqrt(farthest));
 }
 
 bool movedAtMost(float limit, const Tree& a, const Tree& b, const Pose& before, const Pose& now, float reach) {

@@ -27,6 +27,9 @@ struct Box {
     return {tree.lower, tree.upper};
 }
 
+/// How far any point of A's box can have moved against B between two relative poses, m: for a B without end. Rigorous.
+[[nodiscard]] float boxMotionBound(const Tree& a, const Pose& before, const Pose& now);
+
 /// Has the distance of any two points of A and B that are within `reach` of each other now surely changed by no more
 /// than `limit` (m) between two relative poses? By these bounds, of B's points against A and of A's against B, the
 /// cheap ones first.

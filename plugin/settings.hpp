@@ -28,13 +28,13 @@ struct Settings {
     /// Solid: of two closed meshes one inside the other collides. Surface: only where the surfaces meet; a body inside
     /// a hollow one is free.
     Interior interior = Interior::solid;
-    /// Most work (in calls of a 16-wide kernel, about 0.2 us each) or time that a pair of meshes may cost in one step.
+    /// Most work (in calls of a 16-wide kernel, about 0.2 us each) or time that a pair may cost in one step.
     /// What is cut short keeps its contacts of the last step and goes on in the next. Time gives up reproducibility.
     Budget pairBudget = {};
     /// Of a Dispatcher: most work (or time) that all pairs of a step may cost together, split by importance. Every pair
     /// gets its mandatory slice: 8 units; 24 (by scf 96) if it was cut short or has no contacts, and 64 more if it has
-    /// none and may pass through within the step. What cannot be cut short: meshes against planes and convex shapes,
-    /// and soft bodies while they move by more in a step than their margins (or half an edge, if that is more). So a
+    /// none and may pass through within the step. Meshes against planes and convex shapes are pairs like others. What
+    /// cannot be cut short: soft bodies that move by more in a step than their margins, or half an edge if more. So a
     /// step costs at most max(budget, sum of these); children of compounds and further dispatches that the last step
     /// had not may add their slices to that. 5,000 units are about a millisecond. Unlimited by default: then the
     /// contacts are those of registerAlgorithms alone. With a time, every pair gets its slice first, whatever that

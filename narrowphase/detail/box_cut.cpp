@@ -36,8 +36,9 @@ MeshModel boxModel(const Vector3f& half) {
     return makeModel({vertices, triangles});
 }
 
-/// The model of a box of these half extents; the last few of a thread are kept.
-const MeshModel& cachedModel(const Vector3f& half) {
+}  // namespace
+
+const MeshModel& modelOfBox(const Vector3f& half) {
     struct Entry {
         Vector3f half = Vector3f::Zero();
         std::optional<MeshModel> model;
@@ -56,8 +57,6 @@ const MeshModel& cachedModel(const Vector3f& half) {
     return *entry.model;
 }
 
-}  // namespace
-
 bool canReachThrough(const MeshModel& mesh, const BoxSolid& box) {
     const Vector3f middle = (mesh.tree.lower + mesh.tree.upper) / 2;
     const Vector3f half = (mesh.tree.upper - mesh.tree.lower) / 2;
@@ -69,13 +68,22 @@ bool canReachThrough(const MeshModel& mesh, const BoxSolid& box) {
     return meets && ((least.array() < -box.half.array()) && (most.array() > box.half.array())).any();
 }
 
-std::uint64_t boxCutContacts(const MeshModel& mesh, const BoxSolid& box, std::vector<SurfaceContact>& out) {
+std::uint64_t boxCutContacts(const MeshModel& mesh, const BoxSolid& box, std::vector<SurfaceContact>& out,
+                             LeafChoice* choice) {
     if (!(box.half.minCoeff() > 0) || !canReachThrough(mesh, box)) {
         return 0;
     }
-    const MeshModel& model = cachedModel(box.half);
+    const MeshModel& model = modelOfBox(box.half);
     thread_local Contacts contacts;
-    Query(mesh.tree, model.tree).contacts(box.pose, {0, Order::depthFirst}, {}, contacts);
+    const Budget budget = choice != nullptr ? choice->purse.left() : Budget();
+    Query(mesh.tree, model.tree).contacts(box.pose, {0, Order::depthFirst}, budget, contacts);
+    if (choice != nullptr) {
+        choice->purse.pay(contacts.work);
+        choice->complete = choice->complete && contacts.certain;
+        if (!choice->complete) {
+            return contacts.work;  // half a cut tells the wrong direction
+        }
+    }
     const std::size_t first = out.size();
     const float spacing = 0.25F * std::min(mesh.tree.radius, box.half.norm());
     penetrationContacts(mesh, model, box.pose, contacts.pairs, {}, {spacing, spacing, maxPointsPerRegion}, out);

@@ -43,7 +43,7 @@ bool track(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairS
            Purse& purse, PairState& state, PairResult& result, PairSearch& s) {
     result.sampled = true;
     result.missBound = std::numeric_limits<double>::infinity();
-    findWitnesses(a, b, state.contacts, s);
+    findWitnesses(a, &b, state.contacts, s);
     s.walk.start(a, b);
     for (const LeafPair& witness : s.witnesses) {
         s.walk.seed(witness);

@@ -25,13 +25,21 @@ float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const P
     return slow ? settings.slack : 0.0F;
 }
 
-void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& contacts, PairSearch& s) {
+bool penetrates(const ContactSet& contacts) {
+    return std::any_of(contacts.slots.begin(), contacts.slots.end(), [](const RegionSlot& slot) {
+        const auto end = slot.points.begin() + slot.count;
+        return std::any_of(slot.points.begin(), end, [](const auto& point) { return point.signedDistance <= 0.0F; });
+    });
+}
+
+void findWitnesses(const MeshModel& a, const MeshModel* b, const ContactSet& contacts, PairSearch& s) {
     s.ranked.clear();
     for (const RegionSlot& slot : contacts.slots) {
         for (int i = 0; i < slot.count; ++i) {
             const PersistentPoint& point = slot.points[static_cast<std::size_t>(i)];
-            if (point.triangleA < a.leafOf.size() && point.triangleB < b.leafOf.size()) {
-                s.ranked.push_back({point.signedDistance, {a.leafOf[point.triangleA], b.leafOf[point.triangleB]}});
+            if (point.triangleA < a.leafOf.size() && (b == nullptr || point.triangleB < b->leafOf.size())) {
+                const std::uint32_t leafB = b != nullptr ? b->leafOf[point.triangleB] : 0;
+                s.ranked.push_back({point.signedDistance, {a.leafOf[point.triangleA], leafB}});
             }
         }
     }
@@ -48,6 +56,7 @@ void forgetCandidates(PairState& state) {
     state.candidates.clear();
     state.candidateDistance = -1;
     state.traversal.reset();
+    state.openChildren.clear();
     state.nextCandidate = 0;
 }
 
@@ -160,7 +169,7 @@ bool searchInTurns(Purse& purse, PairState& state, PairSearch& s) {
 /// With a budget: first what is known, then on where the last step stopped.
 bool searchWithin(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings, Purse& purse,
                   PairState& state, PairResult& result, PairSearch& s) {
-    findWitnesses(a, b, state.contacts, s);
+    findWitnesses(a, &b, state.contacts, s);
     const std::uint64_t before = s.local.work();
     s.local.add(s.witnesses, purse.left().work / 2);
     purse.pay(s.local.work() - before);

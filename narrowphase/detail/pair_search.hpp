@@ -41,12 +41,17 @@ bool searchPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const
 /// too fast for that.
 [[nodiscard]] float slackNow(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
                              const PairState& state);
-/// The leaf pairs of the kept points, deepest first, in s.witnesses.
-void findWitnesses(const MeshModel& a, const MeshModel& b, const ContactSet& contacts, PairSearch& s);
+/// The leaf pairs of the kept points, deepest first, in s.witnesses; with a solid (no B) those of A with leaf 0.
+void findWitnesses(const MeshModel& a, const MeshModel* b, const ContactSet& contacts, PairSearch& s);
 /// The kept candidates, from where the last tests stopped. True if all were tested.
 bool testCandidates(Purse& purse, PairState& state, PairSearch& s);
 /// They are not known any more.
 void forgetCandidates(PairState& state);
+/// Does some kept point penetrate?
+[[nodiscard]] bool penetrates(const ContactSet& contacts);
+/// As long as a pair is cut short, its points are let slide farther before they are dropped: by so many times the
+/// usual. What held a body a step ago is the best guess at what holds it now.
+inline constexpr float slidingEvidence = 8;
 
 /// Have points that may be contacts now surely moved against each other by no more than `limit` since `before`?
 inline bool movedAtMost(float limit, const MeshModel& a, const MeshModel& b, const Pose& before, const Pose& now,

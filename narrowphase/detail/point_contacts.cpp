@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -16,13 +17,23 @@ using Eigen::Vector3f;
 
 void Candidates::inBox(const MeshModel& mesh, const Vector3f& lower, const Vector3f& upper) {
     m_leaves.clear();
-    leavesInBox(mesh.tree, lower, upper, m_leaves);
+    if (m_choice != nullptr) {
+        const SearchRegion region = SearchRegion::inBox(lower, upper);
+        std::ranges::copy_if(m_choice->leaves, std::back_inserter(m_leaves),
+                             [&](std::uint32_t leaf) { return region.touches(mesh.leafShapes[leaf]); });
+    } else {
+        leavesInBox(mesh.tree, lower, upper, m_leaves);
+    }
     unpack(mesh);
 }
 
 void Candidates::belowPlane(const MeshModel& mesh, const Vector3f& normal, float offset) {
     m_leaves.clear();
-    leavesBelowPlane(mesh.tree, normal, offset, m_leaves);
+    if (m_choice != nullptr) {
+        m_leaves.assign(m_choice->leaves.begin(), m_choice->leaves.end());
+    } else {
+        leavesBelowPlane(mesh.tree, normal, offset, m_leaves);
+    }
     unpack(mesh);
 }
 
@@ -51,8 +62,10 @@ float coordinateRounding(float extent) {
     return std::ldexp(extent, -22);
 }
 
-ConvexScratch& convexScratch() {
+ConvexScratch& convexScratch(LeafChoice* choice) {
     thread_local ConvexScratch scratch;
+    scratch.candidates.confineTo(choice);
+    scratch.collector.clear();
     return scratch;
 }
 
@@ -108,6 +121,15 @@ void addOutside(const Ball& ball, const Nearest& nearest, float maxDistance, flo
     }
 }
 
+bool nearestOfAll(const MeshModel& mesh, const Vector3f& center, float rounding, Nearest& out) {
+    const auto closest = closestPoint(mesh.tree, center, std::numeric_limits<float>::infinity());
+    if (!closest || !locallyClosest(mesh, center, closest->triangle, closest->point, closest->feature, rounding, out)) {
+        return false;
+    }
+    out.key = meshFeatureKey(mesh, closest->triangle, closest->feature);
+    return true;
+}
+
 void addInside(const Ball& ball, const Nearest& nearest, ContactCollector& out) {
     const Vector3f& normal = nearest.towardsCenter;
     const float distance = (nearest.point - ball.center).dot(normal) - ball.radius;
@@ -142,21 +164,21 @@ std::uint64_t pointContacts(const MeshModel& mesh, const Ball& ball, float maxDi
             }
         }
     }
-    if (!(nearest.distance <= reach)) {
-        if (!mesh.solid) {
+    LeafChoice* choice = candidates.choice();
+    const bool elsewhere = choice != nullptr && !choice->all;
+    if (mesh.solid && (elsewhere || !(nearest.distance <= reach))) {
+        if (choice != nullptr && !choice->pay(1)) {
             return work;
         }
         ++work;
-        const auto closest = closestPoint(mesh.tree, ball.center, std::numeric_limits<float>::infinity());
-        if (!closest || !locallyClosest(mesh, ball.center, closest->triangle, closest->point, closest->feature,
-                                        rounding, nearest)) {
+        if (!nearestOfAll(mesh, ball.center, rounding, nearest)) {
             return work;
         }
-        if (nearest.inside && deepestOfBody(ball, nearest.towardsCenter, settings.lean)) {
-            nearest.key = meshFeatureKey(mesh, closest->triangle, closest->feature);
-            if (out.isNew({nearest.key, ball.key}, nearest.triangle, noTriangle)) {
-                addInside(ball, nearest, out);
-            }
+    }
+    if (!(nearest.distance <= reach)) {
+        if (nearest.inside && deepestOfBody(ball, nearest.towardsCenter, settings.lean) &&
+            out.isNew({nearest.key, ball.key}, nearest.triangle, noTriangle)) {
+            addInside(ball, nearest, out);
         }
         return work;
     }

@@ -32,46 +32,36 @@ class FrameWork {
     FrameWork(std::span<PairProcessor* const> pairs, std::span<const std::shared_ptr<ShapeEntry>> building,
               Frame& frame, const Settings& settings)
         : m_building(building), m_frame(frame), m_settings(settings) {
-        std::vector<std::pair<std::uint64_t, PairProcessor*>> meshes;
-        for (PairProcessor* pair : pairs) {
-            if (pair->isSolid()) {
-                m_solids.push_back(pair);
-            } else {
-                meshes.emplace_back(pair->key(), pair);
-            }
-        }
+        std::vector<std::pair<std::uint64_t, PairProcessor*>> keyed;
+        std::ranges::transform(pairs, std::back_inserter(keyed),
+                               [](PairProcessor* pair) { return std::pair(pair->key(), pair); });
         // Sums of importance must not depend on the order of the pair cache.
-        std::ranges::stable_sort(meshes, {}, &std::pair<std::uint64_t, PairProcessor*>::first);
-        std::ranges::transform(meshes, std::back_inserter(m_meshes), &std::pair<std::uint64_t, PairProcessor*>::second);
+        std::ranges::stable_sort(keyed, {}, &std::pair<std::uint64_t, PairProcessor*>::first);
+        std::ranges::transform(keyed, std::back_inserter(m_pairs), &std::pair<std::uint64_t, PairProcessor*>::second);
     }
 
     void run() {
-        std::vector<std::uint64_t> slices(m_solids.size(), m_settings.pairBudget.work);
-        compute(m_solids, slices, false);
         if (m_frame.isLimited()) {
-            runMeshes();
+            runInSlices();
         } else {
-            slices.assign(m_meshes.size(), m_settings.pairBudget.work);
-            compute(m_meshes, slices, false);
+            compute(m_pairs, std::vector<std::uint64_t>(m_pairs.size(), m_settings.pairBudget.work), false);
         }
         std::uint64_t work = 0;
         std::uint64_t mandatory = 0;
-        for (const auto* group : {&m_solids, &m_meshes}) {
-            for (PairProcessor* pair : *group) {
-                pair->settle();
-                work += pair->share().result.work;
-                mandatory += pair->share().mandatory;
-            }
+        for (PairProcessor* pair : m_pairs) {
+            pair->settle();
+            work += pair->share().result.work;
+            mandatory += pair->share().mandatory;
         }
         m_frame.payDispatch(work, mandatory);
         goOnBuilding();
     }
 
   private:
-    void runMeshes() {
+    void runInSlices() {
         describe();
         const std::uint64_t share = shareOfPairs();
-        std::vector<PairProcessor*> open = m_meshes;
+        std::vector<PairProcessor*> open = m_pairs;
         for (int round = 0; round < mostRounds && !open.empty(); ++round) {
             const std::uint64_t left = share == unlimited ? unlimited : share - std::min(share, spent());
             if (round > 0 && (left == 0 || m_frame.timeLeft() <= std::chrono::nanoseconds(0))) {
@@ -130,27 +120,25 @@ class FrameWork {
 
     void describe() {
         std::vector<PairTraits> traits;
-        for (const PairProcessor* pair : m_meshes) {
+        for (const PairProcessor* pair : m_pairs) {
             traits.push_back(pair->traits());
         }
         std::vector<float> importance(traits.size());
         importanceOf(traits, importance);
-        for (std::size_t i = 0; i < m_meshes.size(); ++i) {
-            importance[i] *= static_cast<float>(1 + std::min<std::uint32_t>(m_meshes[i]->age(), 1000));
+        for (std::size_t i = 0; i < m_pairs.size(); ++i) {
+            importance[i] *= static_cast<float>(1 + std::min<std::uint32_t>(m_pairs[i]->age(), 1000));
         }
         sharpen(importance);
-        for (std::size_t i = 0; i < m_meshes.size(); ++i) {
-            const PairProcessor& pair = *m_meshes[i];
+        for (std::size_t i = 0; i < m_pairs.size(); ++i) {
+            const PairProcessor& pair = *m_pairs[i];
             m_scheduled.push_back({pair.key(), importance[i], 0, pair.mandatory(), pair.wanted()});
         }
     }
 
     [[nodiscard]] std::uint64_t spent() const {
         std::uint64_t sum = 0;
-        for (const auto* group : {&m_solids, &m_meshes}) {
-            for (const PairProcessor* pair : *group) {
-                sum += pair->share().result.work;
-            }
+        for (const PairProcessor* pair : m_pairs) {
+            sum += pair->share().result.work;
         }
         return sum;
     }
@@ -212,7 +200,7 @@ class FrameWork {
     std::span<const std::shared_ptr<ShapeEntry>> m_building;
     Frame& m_frame;
     const Settings& m_settings;
-    std::vector<PairProcessor*> m_solids, m_meshes;
+    std::vector<PairProcessor*> m_pairs;
     std::vector<ScheduledPair> m_scheduled;  // of those that are open
 };
 

@@ -12,7 +12,6 @@
 #include <cmath>
 
 #include <grapeshot/adb/point_query.hpp>
-#include <grapeshot/narrowphase/convex_contacts.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 
 namespace grapeshot {
@@ -51,29 +50,45 @@ int featureAt(const std::array<Vector3f, 3>& corner, const Vector3f& point) {
     return near == 1 ? 4 : near == 2 ? 5 : 3;
 }
 
+/// 0: none, or too many to be asked.
+int cornersOf(const btConvexShape& convex) {
+    const int count = convex.isPolyhedral() ? static_cast<const btPolyhedralConvexShape&>(convex).getNumVertices() : 0;
+    return count > mostCorners ? 0 : count;
+}
+
+SearchRegion regionAround(const btConvexShape& convex, const btTransform& inMesh, float maxDistance) {
+    btVector3 lower;
+    btVector3 upper;
+    convex.getAabb(inMesh, lower, upper);
+    const Vector3f reach = Vector3f::Constant(maxDistance);
+    return SearchRegion::inBox(toEigen(lower) - reach, toEigen(upper) + reach);
+}
+
 class Finder {
   public:
     Finder(const MeshModel& mesh, const btConvexShape& convex, const btTransform& inMesh, float maxDistance,
-           const LocalContactSettings& settings, std::vector<SurfaceContact>& out)
+           const LocalContactSettings& settings, std::vector<SurfaceContact>& out, LeafChoice* choice)
         : m_mesh(mesh),
           m_convex(convex),
           m_inMesh(inMesh),
           m_maxDistance(maxDistance),
           m_settings(settings),
           m_out(out),
+          m_choice(choice),
           m_margin(convex.getMargin()) {}
 
     std::uint64_t run() {
-        btVector3 lower;
-        btVector3 upper;
-        m_convex.getAabb(m_inMesh, lower, upper);
-        const Vector3f reach = Vector3f::Constant(m_maxDistance);
-        thread_local std::vector<std::uint32_t> leaves;
-        leaves.clear();
-        leavesInBox(m_mesh.tree, toEigen(lower) - reach, toEigen(upper) + reach, leaves);
+        thread_local std::vector<std::uint32_t> near;
+        near.clear();
+        if (m_choice == nullptr) {
+            const SearchRegion region = regionAround(m_convex, m_inMesh, m_maxDistance);
+            leavesInBox(m_mesh.tree, region.lower, region.upper, near);
+        } else {
+            near.assign(m_choice->leaves.begin(), m_choice->leaves.end());
+        }
         const std::size_t before = m_out.size();
         std::uint64_t tested = 0;
-        for (const std::uint32_t leaf : leaves) {
+        for (const std::uint32_t leaf : near) {
             for (const std::uint32_t triangle : m_mesh.tree.leaves[leaf].triangle) {
                 if (triangle != noTriangle) {
                     triangleContact(triangle);
@@ -81,10 +96,10 @@ class Finder {
                 }
             }
         }
-        if (!leaves.empty()) {
+        if (!near.empty()) {
             tested += corners();
         }
-        if (m_mesh.solid && m_out.size() == before) {
+        if (m_mesh.solid && m_out.size() == before && (m_choice == nullptr || m_choice->all)) {
             engulfed();
         }
         return (tested + 3) / 4;
@@ -161,23 +176,30 @@ class Finder {
         }
     }
 
-    /// Corners of a polyhedron against the surface.
+    /// Corners of a polyhedron against the surface. If a budget does not last for all, others come first in each step.
     std::uint64_t corners() {
-        if (!m_convex.isPolyhedral()) {
+        const int count = cornersOf(m_convex);
+        if (count == 0) {
             return 0;
         }
         const auto& polyhedron = static_cast<const btPolyhedralConvexShape&>(m_convex);
-        const int count = polyhedron.getNumVertices();
-        if (count > mostCorners) {
-            return 0;
+        int asked = count;
+        int first = 0;
+        if (m_choice != nullptr) {
+            const std::uint64_t left = m_choice->purse.left().work;
+            const std::uint64_t wanted = (static_cast<std::uint64_t>(count) + 3) / 4;
+            asked = left >= wanted ? count : static_cast<int>(4 * left);
+            m_choice->complete = m_choice->complete && asked == count;
+            m_choice->purse.pay(std::min(left, wanted));
+            first = asked == count ? 0 : static_cast<int>(m_choice->turn % static_cast<std::uint64_t>(count));
         }
         const auto margin = static_cast<float>(m_margin);
         const Vector3f reach = Vector3f::Constant(m_maxDistance + margin);
         // A corner inside is a contact however deep; the mesh's own size bounds how far out is.
         const float farthest = m_mesh.solid ? 2 * m_mesh.tree.radius : m_maxDistance + margin;
-        for (int i = 0; i < count; ++i) {
+        for (int i = 0; i < asked; ++i) {
             btVector3 local;
-            polyhedron.getVertex(i, local);
+            polyhedron.getVertex((first + i) % count, local);
             const Vector3f vertex = toEigen(m_inMesh * local);
             if (((vertex - m_mesh.tree.lower + reach).array() < 0).any() ||
                 ((m_mesh.tree.upper + reach - vertex).array() < 0).any()) {
@@ -188,7 +210,7 @@ class Finder {
                 cornerContact(vertex, *closest, margin);
             }
         }
-        return static_cast<std::uint64_t>(count);
+        return static_cast<std::uint64_t>(asked);
     }
 
     void cornerContact(const Vector3f& vertex, const ClosestPoint& closest, float margin) {
@@ -235,6 +257,7 @@ class Finder {
     float m_maxDistance;
     LocalContactSettings m_settings;
     std::vector<SurfaceContact>& m_out;
+    LeafChoice* m_choice;
     btScalar m_margin;
     btVoronoiSimplexSolver m_simplex;
     btGjkEpaPenetrationDepthSolver m_depth;
@@ -242,9 +265,26 @@ class Finder {
 
 }  // namespace
 
-std::uint64_t gjkContacts(const MeshModel& mesh, const btConvexShape& convex, const btTransform& inMesh,
-                          float maxDistance, const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
-    return Finder(mesh, convex, inMesh, maxDistance, settings, out).run();
+ConvexSolid::ConvexSolid(const btConvexShape& convex, const btTransform& inMesh) : m_convex(convex), m_inMesh(inMesh) {
+    btVector3 lower;
+    btVector3 upper;
+    convex.getAabb(btTransform::getIdentity(), lower, upper);
+    m_box.pose = toPose(btTransform(inMesh.getBasis(), inMesh * ((lower + upper) / 2)));
+    m_box.half = toEigen((upper - lower) / 2);
+}
+
+float ConvexSolid::distanceBound(const Vector3f& center, const Vector3f& half) const {
+    return boxDistanceBound(m_box, center, half);
+}
+
+std::uint64_t ConvexSolid::regions(const MeshModel&, float maxDistance, std::vector<SearchRegion>& out) const {
+    out.push_back(regionAround(m_convex, m_inMesh, maxDistance));
+    return (static_cast<std::uint64_t>(cornersOf(m_convex)) + 3) / 4;
+}
+
+std::uint64_t ConvexSolid::contacts(const MeshModel& mesh, float maxDistance, const LocalContactSettings& settings,
+                                    std::vector<SurfaceContact>& out, LeafChoice* choice) const {
+    return Finder(mesh, m_convex, m_inMesh, maxDistance, settings, out, choice).run();
 }
 
 }  // namespace detail

@@ -80,10 +80,12 @@ PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
         budget.work /= 2;  // they have not met yet: what is ahead of them counts as much
     }
     const PairSettings settings = pairSettings(task, task.timeStep > 0 ? stepApproach(shapes, task) : anyApproach);
-    const Pose pose = toPose(relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform()));
+    const btTransform bInA = relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform());
+    const Pose pose = toPose(bInA);
     PairResult result = shapes.modelB
                             ? update(*shapes.modelA->mesh, *shapes.modelB->mesh, pose, settings, budget, m_state)
-                            : stepSolid(shapes, task, settings, pose);
+                            : updateSolid(*shapes.modelA->mesh, PlacedSolid{shapes.b->getCollisionShape(), bInA}, pose,
+                                          settings, budget, m_state);
     if (result.stop == StopReason::invalidInput) {
         clear(m_state.contacts);
         return result;
@@ -110,29 +112,6 @@ PairResult PairContacts::step(const PairShapes& shapes, const PairTask& task) {
 
 bool PairContacts::touches() const {
     return hasPoints(m_state.contacts);
-}
-
-PairResult PairContacts::stepSolid(const PairShapes& shapes, const PairTask&, const PairSettings& settings,
-                                   const Pose& pose) {
-    PairResult result;
-    ++m_state.step;
-    if (!isRigid(pose) || !std::isfinite(settings.maxDistance)) {
-        return result;
-    }
-    thread_local std::vector<SurfaceContact> found;
-    found.clear();
-    refresh(m_state.contacts, pose, settings.set);
-    const btCollisionShape& solid = *shapes.b->getCollisionShape();
-    const PlacedSolid placed{&solid, relative(shapes.a->getWorldTransform(), shapes.b->getWorldTransform())};
-    result.work = solidContacts(*shapes.modelA->mesh, placed, settings.maxDistance, settings.local, found);
-    merge(m_state.contacts, found, pose, isComplete(solid), settings.set);
-    result.rawContacts = static_cast<std::uint32_t>(found.size());
-    result.collides = std::any_of(found.begin(), found.end(),
-                                  [](const SurfaceContact& contact) { return contact.signedDistance <= 0; });
-    result.traversed = true;
-    result.certain = isComplete(solid);
-    result.stop = StopReason::certain;
-    return result;
 }
 
 /// Only if there is no contact: looks twice as far until there is something.

@@ -66,8 +66,6 @@ class PairContacts {
     }
 
   private:
-    PairResult stepSolid(const PairShapes& shapes, const PairTask& task, const PairSettings& settings,
-                         const Pose& pose);
     void findClosest(const PairShapes& shapes, const PairTask& task, const PairSettings& settings, const Pose& pose,
                      PairResult& result);
 

@@ -96,9 +96,6 @@ void PairProcessor::compute(const Budget& budget) noexcept {
         sum.certain = false;
     }
     m_share.slice = budget.work > unlimited - m_share.slice ? unlimited : m_share.slice + budget.work;
-    if (isSolid()) {
-        m_share.mandatory = sum.work;
-    }
     ahead.attempted = true;
 }
 
@@ -127,11 +124,7 @@ bool PairProcessor::takeAhead(const Bodies& bodies, PairShapes& shapes) {
 }
 
 bool PairProcessor::needsBullet() const {
-    return isSolid() && !isComplete(*m_ahead->shapes.b->getCollisionShape());
-}
-
-bool PairProcessor::isSolid() const {
-    return m_ahead->shapes.modelB == nullptr;
+    return m_ahead->shapes.modelB == nullptr && asksBullet(*m_ahead->shapes.b->getCollisionShape());
 }
 
 bool PairProcessor::wasCutShort() const {

@@ -270,8 +270,7 @@ void PairProcessor::computeNow(const PairShapes& shapes, const PairTask& task) {
     }
     settle();
     if (frame != nullptr) {
-        // What cannot be cut short is all mandatory.
-        m_share.mandatory = shapes.modelB ? std::min(m_share.mandatory, m_share.slice) : m_share.result.work;
+        m_share.mandatory = std::min(m_share.mandatory, m_share.slice);
         frame->payLatecomer(m_share.result.work, m_share.mandatory);
     }
 }

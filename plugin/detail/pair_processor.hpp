@@ -55,7 +55,6 @@ class PairProcessor {
     /// After the last `compute` of the step.
     void settle();
     [[nodiscard]] bool needsBullet() const;  ///< calls functions of Bullet that may not be called from two threads
-    [[nodiscard]] bool isSolid() const;      ///< a mesh against a solid: cannot be cut short
     [[nodiscard]] bool wasCutShort() const;  ///< and more work in this step is of use
     [[nodiscard]] const PairShare& share() const { return m_share; }
     [[nodiscard]] std::uint64_t key() const;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <limits>
 
-#include <grapeshot/narrowphase/convex_contacts.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
 #include <grapeshot/plugin/detail/gjk_contacts.hpp>
 
@@ -47,40 +46,53 @@ SolidSize sizeOf(const btCollisionShape& solid) {
     return {extent.norm() / 2, extent.minCoeff()};
 }
 
-std::uint64_t solidContacts(const MeshModel& mesh, const PlacedSolid& solid, float maxDistance,
-                            const LocalContactSettings& settings, std::vector<SurfaceContact>& out) {
+namespace {
+
+/// Calls `use` with the solid as narrowphase/ sees it.
+template <class Use>
+auto withSolid(const PlacedSolid& solid, Use&& use) {
     switch (solid.shape->getShapeType()) {
         case STATIC_PLANE_PROXYTYPE:
-            return planeContacts(mesh, planeOf(static_cast<const btStaticPlaneShape&>(*solid.shape), solid.inMesh),
-                                 maxDistance, settings, out);
+            return use(PlacedPlane(planeOf(static_cast<const btStaticPlaneShape&>(*solid.shape), solid.inMesh)));
         case SPHERE_SHAPE_PROXYTYPE: {
-            const auto& sphere = static_cast<const btSphereShape&>(*solid.shape);
-            return sphereContacts(mesh, {toEigen(solid.inMesh.getOrigin()), static_cast<float>(sphere.getRadius())},
-                                  maxDistance, settings, out);
+            const Eigen::Vector3f center = toEigen(solid.inMesh.getOrigin());
+            const btScalar radius = static_cast<const btSphereShape&>(*solid.shape).getRadius();
+            return use(PlacedCapsule({center, center, static_cast<float>(radius)}));
         }
         case CAPSULE_SHAPE_PROXYTYPE:
-            return capsuleContacts(mesh, capsuleOf(static_cast<const btCapsuleShape&>(*solid.shape), solid.inMesh),
-                                   maxDistance, settings, out);
+            return use(PlacedCapsule(capsuleOf(static_cast<const btCapsuleShape&>(*solid.shape), solid.inMesh)));
         case BOX_SHAPE_PROXYTYPE: {
             const auto& box = static_cast<const btBoxShape&>(*solid.shape);
-            return boxContacts(mesh, {toPose(solid.inMesh), toEigen(box.getHalfExtentsWithMargin())}, maxDistance,
-                               settings, out);
+            return use(PlacedBox({toPose(solid.inMesh), toEigen(box.getHalfExtentsWithMargin())}));
         }
         default:
-            return gjkContacts(mesh, static_cast<const btConvexShape&>(*solid.shape), solid.inMesh, maxDistance,
-                               settings, out);
+            return use(ConvexSolid(static_cast<const btConvexShape&>(*solid.shape), solid.inMesh));
     }
 }
 
-bool isComplete(const btCollisionShape& solid) {
+}  // namespace
+
+PairResult updateSolid(const MeshModel& mesh, const PlacedSolid& solid, const Pose& pose, const PairSettings& settings,
+                       const Budget& budget, PairState& state) {
+    return withSolid(solid, [&](const Solid& placed) {
+        return grapeshot::updateSolid(mesh, placed, pose, settings, budget, state);
+    });
+}
+
+std::uint64_t solidContacts(const MeshModel& mesh, const PlacedSolid& solid, const LocalContactSettings& settings,
+                            const Budget& budget, std::vector<SurfaceContact>& out) {
+    return withSolid(solid, [&](const Solid& placed) { return solidContactsAt(mesh, placed, settings, budget, out); });
+}
+
+bool asksBullet(const btCollisionShape& solid) {
     switch (solid.getShapeType()) {
         case STATIC_PLANE_PROXYTYPE:
         case SPHERE_SHAPE_PROXYTYPE:
         case CAPSULE_SHAPE_PROXYTYPE:
         case BOX_SHAPE_PROXYTYPE:
-            return true;
-        default:
             return false;
+        default:
+            return true;
     }
 }
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <grapeshot/narrowphase/local_contacts.hpp>
+#include <grapeshot/narrowphase/solid_update.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
 namespace grapeshot {
@@ -33,12 +33,17 @@ struct SolidSize {
 };
 [[nodiscard]] SolidSize sizeOf(const btCollisionShape& solid);
 
-/// Appends contacts within `maxDistance`, the mesh being A; frame of the mesh. Returns the work, in units.
-std::uint64_t solidContacts(const MeshModel& mesh, const PlacedSolid& solid, float maxDistance,
-                            const LocalContactSettings& settings, std::vector<SurfaceContact>& out);
+/// One step of the mesh against it, `pose` being `inMesh`: see updateSolid.
+PairResult updateSolid(const MeshModel& mesh, const PlacedSolid& solid, const Pose& pose, const PairSettings& settings,
+                       const Budget& budget, PairState& state);
 
-/// Are they all there is in one step? The general convex case gathers them over several.
-[[nodiscard]] bool isComplete(const btCollisionShape& solid);
+/// Appends contacts within `settings.maxDistance`, the mesh being A; frame of the mesh. Returns the work, in units.
+std::uint64_t solidContacts(const MeshModel& mesh, const PlacedSolid& solid, const LocalContactSettings& settings,
+                            const Budget& budget, std::vector<SurfaceContact>& out);
+
+/// Does it take functions of Bullet's, which may not be called from two threads? Not for planes, boxes, spheres and
+/// capsules.
+[[nodiscard]] bool asksBullet(const btCollisionShape& solid);
 
 }  // namespace detail
 }  // namespace GRAPESHOT_PRECISION

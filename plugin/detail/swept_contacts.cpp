@@ -266,7 +266,8 @@ std::uint64_t nearContacts(const PairShapes& shapes, const Pose& bInA, float rea
     }
     LocalContactSettings local = settings.local;
     local.maxDistance = reach;
-    return solidContacts(*shapes.modelA->mesh, {shapes.b->getCollisionShape(), toTransform(bInA)}, reach, local, found);
+    return solidContacts(*shapes.modelA->mesh, {shapes.b->getCollisionShape(), toTransform(bInA)}, local, budget,
+                         found);
 }
 
 float stepApproach(const PairShapes& shapes, const PairTask& task) {
