@@ -16,3 +16,4 @@
 #include <grapeshot/plugin/state.hpp>
 #include <grapeshot/plugin/statistics.hpp>
 #include <grapeshot/plugin/status.hpp>
+#include <grapeshot/plugin/swept_world.hpp>

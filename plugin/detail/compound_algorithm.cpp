@@ -10,6 +10,7 @@
 #include <array>
 #include <vector>
 
+#include <grapeshot/plugin/detail/child_in_place.hpp>
 #include <grapeshot/plugin/detail/context.hpp>
 #include <grapeshot/plugin/detail/pair_motion.hpp>
 #include <grapeshot/plugin/detail/shape_kind.hpp>
@@ -26,28 +27,6 @@ struct Box {
         wrap.getCollisionShape()->getAabb(wrap.getWorldTransform(), lower, upper);
     }
     [[nodiscard]] btScalar radius() const { return (upper - lower).length() / 2; }
-};
-
-/// The wrapped child in place of its body in a result, for as long as it lives.
-class InPlace {
-  public:
-    InPlace(btManifoldResult& result, const btCollisionObjectWrapper& child) : m_result(result) {
-        m_isFirst = result.getBody0Internal() == child.getCollisionObject();
-        m_before = m_isFirst ? result.getBody0Wrap() : result.getBody1Wrap();
-        set(&child);
-        m_isFirst ? result.setShapeIdentifiersA(-1, child.m_index) : result.setShapeIdentifiersB(-1, child.m_index);
-    }
-    ~InPlace() { set(m_before); }
-    InPlace(const InPlace&) = delete;
-    InPlace& operator=(const InPlace&) = delete;
-
-  private:
-    void set(const btCollisionObjectWrapper* wrap) {
-        m_isFirst ? m_result.setBody0Wrap(wrap) : m_result.setBody1Wrap(wrap);
-    }
-    btManifoldResult& m_result;
-    const btCollisionObjectWrapper* m_before;
-    bool m_isFirst;
 };
 
 }  // namespace
@@ -148,7 +127,7 @@ class ChildPairs {
                 ordered[0], ordered[1], m_shared, m_query ? BT_CLOSEST_POINT_ALGORITHMS : BT_CONTACT_POINT_ALGORITHMS);
         }
         if (child.algorithm != nullptr) {
-            const InPlace inPlace(result, wrap);
+            const ChildInPlace inPlace(result, wrap);
             child.algorithm->processCollision(ordered[0], ordered[1], info, &result);
         }
     }

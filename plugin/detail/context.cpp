@@ -8,6 +8,7 @@
 
 #include <grapeshot/plugin/detail/shape_kind.hpp>
 #include <grapeshot/plugin/detail/soft_algorithm.hpp>
+#include <grapeshot/plugin/detail/swept_compound.hpp>
 
 namespace grapeshot {
 inline namespace GRAPESHOT_PRECISION {
@@ -32,6 +33,7 @@ Context::Context(const Settings& chosen) : settings(chosen), serial(nextSerial()
     creators[1] = std::make_unique<MeshCollisionAlgorithm::CreateFunc>(*this, true);
     gimpact = std::make_unique<btGImpactCollisionAlgorithm::CreateFunc>();
     soft = std::make_unique<SoftAlgorithm::CreateFunc>(*this);
+    sweptCompounds = std::make_unique<SweptCompoundAlgorithm::CreateFunc>(*this);
     // All pairs of types, so that counting cannot fail.
     statistics.taken.reserve(std::size_t{MAX_BROADPHASE_COLLISION_TYPES} * (MAX_BROADPHASE_COLLISION_TYPES + 1) / 2);
 }
@@ -49,7 +51,8 @@ void Context::take(btCollisionDispatcher& dispatcher, Table table, int first, in
         return cell.table == table && cell.first == first && cell.second == second;
     });
     Cell& cell = known != cells.end() ? *known : cells.emplace_back();
-    cell = {table, first, second, present, ours, present == nullptr || present == emptyCreatorIn(dispatcher, table)};
+    const bool wasEmpty = present == nullptr || present == emptyCreatorIn(dispatcher, table);
+    cell = {table, first, second, present, ours, wasEmpty, nullptr};
     setCreator(dispatcher, table, first, second, ours);
 }
 
@@ -89,8 +92,46 @@ void Context::install(btCollisionDispatcher& dispatcher) {
             takeIfEmpty(dispatcher, table, other, GIMPACT_SHAPE_PROXYTYPE);
         }
     }
+    if (settings.speculative) {
+        takeSweptCompounds(dispatcher);
+    }
     if (settings.softPairs) {
         takeSoft(dispatcher);
+    }
+}
+
+/// Contacts ahead are for the simulation alone.
+void Context::takeSweptCompounds(btCollisionDispatcher& dispatcher) {
+    constexpr int compound = COMPOUND_SHAPE_PROXYTYPE;
+    takeSweptCompound(dispatcher, compound, compound);
+    const auto takeBoth = [&](int other) {
+        takeSweptCompound(dispatcher, compound, other);
+        takeSweptCompound(dispatcher, other, compound);
+    };
+    std::ranges::for_each(meshTypes, takeBoth);
+    for (int solid = 0; solid <= STATIC_PLANE_PROXYTYPE; ++solid) {
+        if (isSolidType(solid)) {
+            takeBoth(solid);
+        }
+    }
+}
+
+/// In front of whoever has the place, takeCompounds included.
+void Context::takeSweptCompound(btCollisionDispatcher& dispatcher, int first, int second) {
+    btCollisionAlgorithmCreateFunc* present = creatorIn(dispatcher, Table::contacts, first, second);
+    if (!isWanted({Table::contacts, first, second}, settings) || present == nullptr ||
+        present == sweptCompounds.get() || present == emptyCreatorIn(dispatcher, Table::contacts)) {
+        return;
+    }
+    const auto known = std::find_if(cells.begin(), cells.end(), [&](const Cell& cell) {
+        return cell.table == Table::contacts && cell.first == first && cell.second == second;
+    });
+    if (known != cells.end() && known->placed == present) {
+        known->asked = present;
+        known->placed = sweptCompounds.get();
+        setCreator(dispatcher, Table::contacts, first, second, sweptCompounds.get());
+    } else {
+        take(dispatcher, Table::contacts, first, second, sweptCompounds.get());
     }
 }
 
@@ -212,9 +253,11 @@ btCollisionAlgorithm* Context::createPrevious(btCollisionAlgorithmConstructionIn
         return candidate.table == Table::contacts && candidate.first == body0.getCollisionShape()->getShapeType() &&
                candidate.second == body1.getCollisionShape()->getShapeType();
     });
-    return cell != cells.end() && cell->previous != nullptr
-               ? cell->previous->CreateCollisionAlgorithm(info, &body0, &body1)
-               : nullptr;
+    if (cell == cells.end()) {
+        return nullptr;
+    }
+    btCollisionAlgorithmCreateFunc* creator = cell->asked != nullptr ? cell->asked : cell->previous;
+    return creator != nullptr ? creator->CreateCollisionAlgorithm(info, &body0, &body1) : nullptr;
 }
 
 void Context::beginStep() {

@@ -27,6 +27,7 @@ struct Cell {
     btCollisionAlgorithmCreateFunc* previous = nullptr;
     btCollisionAlgorithmCreateFunc* placed = nullptr;  ///< by us: our creator, or Bullet's for compounds
     bool wasEmpty = false;                             ///< it was Bullet's empty algorithm
+    btCollisionAlgorithmCreateFunc* asked = nullptr;   ///< whom `placed` asks first; null: `previous`
 };
 
 class ShapeEntry;
@@ -49,7 +50,8 @@ struct Context : std::enable_shared_from_this<Context> {
     btCollisionAlgorithm* createForeign(btCollisionAlgorithmConstructionInfo& info,
                                         const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
                                         Table table);
-    /// The same for two shapes of a place in the contact table: from whoever had it, null if nobody.
+    /// The same for two shapes of a place in the contact table: from whoever had it (of compounds GImpact's gives way
+    /// to Bullet's recursion), null if nobody.
     btCollisionAlgorithm* createPrevious(btCollisionAlgorithmConstructionInfo& info,
                                          const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 
@@ -80,6 +82,7 @@ struct Context : std::enable_shared_from_this<Context> {
     std::array<std::unique_ptr<MeshCollisionAlgorithm::CreateFunc>, 2> creators;  ///< by Table
     std::unique_ptr<btCollisionAlgorithmCreateFunc> gimpact;
     std::unique_ptr<btCollisionAlgorithmCreateFunc> soft;
+    std::unique_ptr<btCollisionAlgorithmCreateFunc> sweptCompounds;
     SoftEntries softEntries;
     SoftLoop softLoop;
     bool lostCells = false;  ///< somebody took one of our places, and may have kept our creator as the one before him
@@ -92,6 +95,8 @@ struct Context : std::enable_shared_from_this<Context> {
     void takeSolids(btCollisionDispatcher& dispatcher, Table table);
     void takeCompounds(btCollisionDispatcher& dispatcher, Table table);
     void takeSoft(btCollisionDispatcher& dispatcher);
+    void takeSweptCompounds(btCollisionDispatcher& dispatcher);
+    void takeSweptCompound(btCollisionDispatcher& dispatcher, int first, int second);
     void giveBackUnwanted(btCollisionDispatcher& dispatcher);
     void takeIfEmpty(btCollisionDispatcher& dispatcher, Table table, int first, int second);
     void giveBack(btCollisionDispatcher& dispatcher, const Cell& cell) const;

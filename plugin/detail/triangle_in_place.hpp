@@ -5,12 +5,11 @@
 // btAdjustInternalEdgeContacts, count on it.
 #pragma once
 
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btTriangleShape.h>
 
 #include <array>
 
+#include <grapeshot/plugin/detail/child_in_place.hpp>
 #include <grapeshot/plugin/detail/shape_mesh.hpp>
 #include <grapeshot/plugin/precision.hpp>
 
@@ -31,25 +30,14 @@ class TriangleInPlace {
         : m_shape(face.corner[0], face.corner[1], face.corner[2]),
           m_wrap(face.mesh, &m_shape, face.mesh->getCollisionObject(), face.mesh->getWorldTransform(), id.part,
                  id.index),
-          m_before(isFirst ? result.getBody0Wrap() : result.getBody1Wrap()),
-          m_isFirst(isFirst),
-          m_result(result) {
+          m_inPlace(result, m_wrap, isFirst) {
         m_shape.setMargin(face.mesh->getCollisionShape()->getMargin());
-        set(&m_wrap);
     }
-    ~TriangleInPlace() { set(m_before); }
-    TriangleInPlace(const TriangleInPlace&) = delete;
-    TriangleInPlace& operator=(const TriangleInPlace&) = delete;
 
   private:
-    void set(const btCollisionObjectWrapper* wrap) {
-        m_isFirst ? m_result.setBody0Wrap(wrap) : m_result.setBody1Wrap(wrap);
-    }
     btTriangleShape m_shape;
     btCollisionObjectWrapper m_wrap;
-    const btCollisionObjectWrapper* m_before;
-    bool m_isFirst;
-    btManifoldResult& m_result;
+    WrapInPlace m_inPlace;
 };
 
 }  // namespace detail

@@ -3,42 +3,11 @@
 
 #include <cmath>
 
-#include <grapeshot/core/random.hpp>
-
-#include "bullet_fixture.hpp"
+#include "gate_shots.hpp"
 #include "support/test_size.hpp"
 
 namespace grapeshot::test {
 namespace {
-
-constexpr btScalar margin = 0.005_s;
-constexpr double halfWall = 0.02;
-
-/// A wall of 4 cm in the yz plane, 4 m x 4 m, with a window of 1 m x 1 m in it if wanted.
-scenes::Mesh wallMesh(bool window) {
-    if (!window) {
-        return scenes::box({static_cast<float>(halfWall), 2, 2}, 4);
-    }
-    const auto bar = [](float y, float z, float halfY, float halfZ) {
-        return scenes::moved(scenes::box({static_cast<float>(halfWall), halfY, halfZ}, 2), {0, y, z});
-    };
-    scenes::Mesh frame = scenes::merged(bar(1.25F, 0, 0.75F, 2), bar(-1.25F, 0, 0.75F, 2));
-    frame = scenes::merged(frame, bar(0, 1.25F, 0.5F, 0.75F));
-    return scenes::merged(frame, bar(0, -1.25F, 0.5F, 0.75F));
-}
-
-/// Uniform numbers, one after the other.
-class Random {
-  public:
-    explicit Random(std::uint64_t seed) : m_key{seed, 0, 0} {}
-    btScalar uniform(double from, double to) {
-        return btScalar(from + (to - from) * static_cast<double>(randomUnit(m_key, m_draw++)));
-    }
-
-  private:
-    RandomKey m_key;
-    std::uint32_t m_draw = 0;
-};
 
 struct Shot {
     btVector3 before, after;  ///< velocities
@@ -64,21 +33,10 @@ Shot shoot(btCollisionShape& bullet, btCollisionShape& wall, const btVector3& fr
     return {velocity, body.getLinearVelocity(), body.getWorldTransform().getOrigin()};
 }
 
-btQuaternion anyTurn(Random& random) {
-    const btScalar x = random.uniform(-1, 1);
-    const btScalar y = random.uniform(-1, 1);
-    return btQuaternion(x, y, random.uniform(-1, 1), 1.5_s).normalized();
-}
-
-struct Bullets {
-    MeshShape plate{scenes::box({0.01F, 0.2F, 0.2F}, 2), Kind::mesh, margin};
-    MeshShape box{scenes::box({0.15F, 0.15F, 0.15F}, 2), Kind::mesh, margin};
-};
-
 /// How many of so many shots at 5 to 200 m/s go through; `tumbling`: turned and spinning anyhow.
 std::size_t through(btCollisionShape& bullet, bool tumbling, std::size_t shots) {
-    const MeshShape wall(wallMesh(false), Kind::bvh, margin);
-    Random random(11);
+    const MeshShape wall(wallMesh(false), Kind::bvh, shotMargin);
+    ShotRandom random(11);
     std::size_t count = 0;
     for (std::size_t i = 0; i < shots; ++i) {
         const btScalar speed = random.uniform(5, 200);
@@ -113,9 +71,9 @@ TEST(GateShots, NoneGoesThroughTumbling) {
 
 TEST(GateShots, WhatPassesByOneCentimetreAwayGoesStraightOn) {
     const Bullets bullets;
-    const MeshShape wall(wallMesh(false), Kind::bvh, margin);
-    const MeshShape window(wallMesh(true), Kind::bvh, margin);
-    Random random(12);
+    const MeshShape wall(wallMesh(false), Kind::bvh, shotMargin);
+    const MeshShape window(wallMesh(true), Kind::bvh, shotMargin);
+    ShotRandom random(12);
     const std::size_t shots = sampleSize(60, 1000);
     double worst = 0;
     for (std::size_t i = 0; i < shots; ++i) {
@@ -123,7 +81,7 @@ TEST(GateShots, WhatPassesByOneCentimetreAwayGoesStraightOn) {
         const bool inWindow = i % 2 == 1;
         const bool isBox = i % 4 < 2;
         const btScalar half = isBox ? 0.15_s : 0.2_s;
-        const btScalar edge = inWindow ? 0.5_s - half - 2 * margin - 0.01_s : 2 + half + 2 * margin + 0.01_s;
+        const btScalar edge = inWindow ? 0.5_s - half - 2 * shotMargin - 0.01_s : 2 + half + 2 * shotMargin + 0.01_s;
         const btVector3 from(random.uniform(-4, -1), edge, random.uniform(-0.2, 0.2));
         const btVector3 velocity(random.uniform(5, 200), 0, 0);
         const Shot shot = shoot(isBox ? *bullets.box : *bullets.plate, inWindow ? *window : *wall, from,
