@@ -50,8 +50,10 @@ void beginFrame(const btCollisionDispatcher& dispatcher, int dispatches) noexcep
 /// substep is one; ghosts and character controllers, whose caches are dispatched after the world's, share it. (The
 /// world's cache is the first that comes by.) Or the program says when: see beginFrame.
 ///
-/// A callback may remove bodies, as far as Bullet can stand it (not with m_deterministicOverlappingPairs); delete them
-/// after the step. Destroy the world first, then the dispatcher. Two dispatchers on two threads are fine.
+/// A callback (of contacts: added, processed, started, ended, destroyed; or the near callback, which then returns) may
+/// remove bodies and constraints, as far as Bullet can stand it: not with m_deterministicOverlappingPairs, and while
+/// one body of a pair is being removed not the other one of the same pair. Delete them after the step. Destroy the
+/// world first, then the dispatcher. Two dispatchers on two threads are fine.
 template <class Base>
 class BasicDispatcher : public Base {
     static_assert(std::is_base_of_v<btCollisionDispatcher, Base>);

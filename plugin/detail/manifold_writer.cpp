@@ -118,6 +118,9 @@ void ManifoldWriter::writeSet(const ContactSet& set, bool ahead, const ContactBo
             }
             manifold->setContactBreakingThreshold(threshold);
             setPoints(*manifold, usable, btScalar(reach), result, m_stopped);
+            if (m_stopped) {
+                return;  // perhaps before the result had a manifold
+            }
             result.refreshContactPoints();  // counts life times, calls the program's gContactProcessedCallback
             mine->used = true;
         } else {
