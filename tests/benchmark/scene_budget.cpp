@@ -17,6 +17,41 @@ constexpr double shares[] = {1.0 / 2, 1.0 / 4, 1.0 / 8, 1.0 / 20};
 constexpr double rivalShares[] = {1.0 / 4, 1.0 / 20};
 constexpr double deepestUnbudgeted = 0.01;  ///< p99 / radius, as for the scenario `pile`
 constexpr std::size_t proxyTriangles[] = {1000, 500};
+constexpr double fallSeconds = 2;  ///< in which the bodies fall onto each other
+
+/// Work units of a step, mean of the steps of `seconds` from `from` on.
+double meanWork(const Outcome& outcome, double from, double seconds) {
+    const std::vector<StepWork>& work = outcome.recorder.run().work;
+    const double timeStep = outcome.method.world.timeStep;
+    const auto first = static_cast<std::size_t>(std::lround(from / timeStep));
+    const std::size_t last = std::min(work.size(), static_cast<std::size_t>(std::lround((from + seconds) / timeStep)));
+    double sum = 0;
+    for (std::size_t i = first; i < last; ++i) {
+        sum += static_cast<double>(work[i].work);
+    }
+    return first < last ? sum / static_cast<double>(last - first) : 0.0;
+}
+
+/// The dearest half second.
+double mostWork(const Outcome& outcome) {
+    constexpr double window = 0.5;
+    const double timeStep = outcome.method.world.timeStep;
+    const double end = static_cast<double>(outcome.recorder.run().work.size()) * timeStep;
+    double most = 0;
+    for (double from = 0; from + window <= end; from += window) {
+        most = std::max(most, meanWork(outcome, from, window));
+    }
+    return most;
+}
+
+template <class Value>
+double meanOf(const std::vector<Outcome>& outcomes, Value&& value) {
+    double sum = 0;
+    for (const Outcome& outcome : outcomes) {
+        sum += value(outcome);
+    }
+    return sum / static_cast<double>(outcomes.size());
+}
 
 /// The same pile from several starts.
 class Piles {
@@ -24,7 +59,7 @@ class Piles {
     Piles(const Options& options, double margin, report::Report& results)
         : m_options(options), m_results(results), m_label(atMargin(margin)) {
         m_settings.margin = margin;
-        m_starts = options.repetitions.value_or(options.quick ? 1 : 4);
+        m_starts = options.repetitions.value_or(options.quick ? 1 : 2);
         if (options.quick) {
             m_settings.bodies = 10;
             m_settings.trianglesPerBody = 1200;
@@ -35,10 +70,13 @@ class Piles {
     [[nodiscard]] double seconds() const { return m_seconds; }
 
     /// One method, from every start.
-    [[nodiscard]] std::vector<Outcome> run(const SceneMethod& method) const {
+    [[nodiscard]] std::vector<Outcome> run(const SceneMethod& method) const { return run(method, m_starts); }
+
+    /// The same from the first `starts` alone.
+    [[nodiscard]] std::vector<Outcome> run(const SceneMethod& method, int starts) const {
         std::cerr << "budget, " << m_label << ": " << method.name << '\n';
         std::vector<Outcome> outcomes;
-        for (int start = 0; start < m_starts; ++start) {
+        for (int start = 0; start < starts; ++start) {
             PileSettings settings = m_settings;
             settings.seed = m_options.seed + static_cast<std::uint64_t>(start);
             const Course course{.scenario = "budget", .seconds = m_seconds, .progress = false};
@@ -59,6 +97,13 @@ class Piles {
         const Quality quality = judge(starts);
         report::Row row = rowOf("budget", m_label, outcomes.front(), quality);
         row.measured.emplace_back("starts", m_starts);
+        row.measured.emplace_back(
+            "workOfFall", meanOf(outcomes, [](const Outcome& outcome) { return meanWork(outcome, 0, fallSeconds); }));
+        row.measured.emplace_back("workMostHalfSecond", meanOf(outcomes, mostWork));
+        const auto budget = static_cast<double>(method.world.settings.frameBudget.work);
+        if (method.world.settings.frameBudget.work != unlimited) {
+            row.measured.emplace_back("workOfBudget", quality.workMean / budget);
+        }
         m_results.rows.push_back(row);
         return quality;
     }
@@ -81,20 +126,13 @@ double sleepSeconds(const Quality& quality, double whole) {
     return std::isnan(quality.secondsToSleep) ? whole : quality.secondsToSleep;
 }
 
-double meanWork(const std::vector<Outcome>& outcomes) {
-    double work = 0;
-    for (const Outcome& outcome : outcomes) {
-        work += meanWorkAwake(outcome) / static_cast<double>(outcomes.size());
-    }
-    return work;
-}
-
 /// The slice per pair with which plain round robin does as much work on the whole: not less than ours, within some
-/// percent.
+/// percent, in the first start.
 std::uint64_t equalSlice(const Piles& piles, double work) {
     double slice = std::max(1.0, work / 100);
     for (int attempt = 0; attempt < 4; ++attempt) {
-        const double got = meanWork(piles.run(roundRobin(1, static_cast<std::uint64_t>(std::lround(slice)))));
+        const SceneMethod method = roundRobin(1, static_cast<std::uint64_t>(std::lround(slice)));
+        const double got = meanWorkAwake(piles.run(method, 1).front());
         if (got >= work && got < 1.1 * work) {
             break;
         }
@@ -112,6 +150,12 @@ void compare(const std::string& rival, const Quality& ours, const Quality& their
 void runAt(double margin, const Options& options, report::Report& results) {
     Piles piles(options, margin, results);
     const Quality full = piles.judged(grapeshotMethod(1));
+    if (!options.quick) {
+        // What coarser meshes need without a budget: is a quarter within their reach?
+        for (const std::size_t triangles : proxyTriangles) {
+            static_cast<void>(piles.judged(decimatedMethod(1, triangles)));
+        }
+    }
     for (const double share : shares) {
         const auto budget = static_cast<std::uint64_t>(std::lround(share * full.workMean));
         SceneMethod method = budgeted(grapeshotMethod(1), budget);
