@@ -19,29 +19,8 @@ constexpr double deepestUnbudgeted = 0.01;  ///< p99 / radius, as for the scenar
 constexpr std::size_t proxyTriangles[] = {1000, 500};
 constexpr double fallSeconds = 2;  ///< in which the bodies fall onto each other
 
-/// Work units of a step, mean of the steps of `seconds` from `from` on.
-double meanWork(const Outcome& outcome, double from, double seconds) {
-    const std::vector<StepWork>& work = outcome.recorder.run().work;
-    const double timeStep = outcome.method.world.timeStep;
-    const auto first = static_cast<std::size_t>(std::lround(from / timeStep));
-    const std::size_t last = std::min(work.size(), static_cast<std::size_t>(std::lround((from + seconds) / timeStep)));
-    double sum = 0;
-    for (std::size_t i = first; i < last; ++i) {
-        sum += static_cast<double>(work[i].work);
-    }
-    return first < last ? sum / static_cast<double>(last - first) : 0.0;
-}
-
-/// The dearest half second.
-double mostWork(const Outcome& outcome) {
-    constexpr double window = 0.5;
-    const double timeStep = outcome.method.world.timeStep;
-    const double end = static_cast<double>(outcome.recorder.run().work.size()) * timeStep;
-    double most = 0;
-    for (double from = 0; from + window <= end; from += window) {
-        most = std::max(most, meanWork(outcome, from, window));
-    }
-    return most;
+double timeStepOf(const Outcome& outcome) {
+    return outcome.method.world.timeStep;
 }
 
 template <class Value>
@@ -97,9 +76,12 @@ class Piles {
         const Quality quality = judge(starts);
         report::Row row = rowOf("budget", m_label, outcomes.front(), quality);
         row.measured.emplace_back("starts", m_starts);
-        row.measured.emplace_back(
-            "workOfFall", meanOf(outcomes, [](const Outcome& outcome) { return meanWork(outcome, 0, fallSeconds); }));
-        row.measured.emplace_back("workMostHalfSecond", meanOf(outcomes, mostWork));
+        row.measured.emplace_back("workOfFall", meanOf(outcomes, [](const Outcome& outcome) {
+                                      return meanWork(outcome.recorder.run(), timeStepOf(outcome), 0, fallSeconds);
+                                  }));
+        row.measured.emplace_back("workMostHalfSecond", meanOf(outcomes, [](const Outcome& outcome) {
+                                      return mostWork(outcome.recorder.run(), timeStepOf(outcome), 0.5);
+                                  }));
         const auto budget = static_cast<double>(method.world.settings.frameBudget.work);
         if (method.world.settings.frameBudget.work != unlimited) {
             row.measured.emplace_back("workOfBudget", quality.workMean / budget);

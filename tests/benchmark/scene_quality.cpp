@@ -85,6 +85,28 @@ double meanWorkAwake(const Outcome& outcome) {
     return work / static_cast<double>(steps);
 }
 
+double meanWork(const Run& run, double timeStep, double from, double seconds) {
+    const auto stepAt = [&](double time) {
+        return std::min(run.work.size(), static_cast<std::size_t>(std::lround(time / timeStep)));
+    };
+    const std::size_t first = stepAt(from);
+    const std::size_t last = stepAt(from + seconds);
+    double work = 0;
+    for (std::size_t i = first; i < last; ++i) {
+        work += static_cast<double>(run.work[i].work);
+    }
+    return first < last ? work / static_cast<double>(last - first) : 0.0;
+}
+
+double mostWork(const Run& run, double timeStep, double seconds) {
+    const double end = static_cast<double>(run.work.size()) * timeStep;
+    double most = 0;
+    for (int window = 0; window * seconds < end; ++window) {
+        most = std::max(most, meanWork(run, timeStep, window * seconds, seconds));
+    }
+    return most;
+}
+
 double meanRadius(const World& world) {
     double radii = 0;
     int moving = 0;

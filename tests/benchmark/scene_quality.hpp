@@ -35,6 +35,11 @@ struct EnergyCourse {
 /// Work units of a step until all sleep, mean.
 [[nodiscard]] double meanWorkAwake(const Outcome& outcome);
 
+/// Work units of a step, mean of the steps of `seconds` from `from` on, as far as the run goes; 0 if there are none.
+[[nodiscard]] double meanWork(const Run& run, double timeStep, double from, double seconds);
+/// The largest of these of windows of `seconds`, one after the other.
+[[nodiscard]] double mostWork(const Run& run, double timeStep, double seconds);
+
 /// What is judged of an outcome, or of several starts of a scene together.
 struct Quality {
     int lost = 0;        ///< of all starts

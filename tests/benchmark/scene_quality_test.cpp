@@ -39,6 +39,19 @@ TEST(SceneQuality, WhoWakesUpAgainDidNotSleep) {
     EXPECT_TRUE(std::isnan(secondsToSleep(runOf({5, 4}, {0, 1}), 0.5)));
 }
 
+TEST(SceneQuality, WorkIsTakenFromAWindow) {
+    bench::Run run;
+    for (const std::uint64_t work : {10U, 20U, 60U, 80U, 30U}) {
+        run.work.push_back({.work = work});
+    }
+    EXPECT_DOUBLE_EQ(meanWork(run, 0.5, 0, 1), 15);
+    EXPECT_DOUBLE_EQ(meanWork(run, 0.5, 1, 1), 70);
+    EXPECT_DOUBLE_EQ(meanWork(run, 0.5, 2, 5), 30);
+    EXPECT_DOUBLE_EQ(meanWork(run, 0.5, 3, 1), 0);
+    EXPECT_DOUBLE_EQ(mostWork(run, 0.5, 1), 70);
+    EXPECT_DOUBLE_EQ(mostWork(run, 0.5, 0.5), 80);
+}
+
 /// A ball in the hollow of a cup, and one that is stuck in its wall.
 scenes::World cupAndBall(const scenes::WorldSettings& method, const Eigen::Vector3d& ball) {
     scenes::World world(method);
