@@ -23,8 +23,8 @@ struct SelfCollision {
     /// one and a half times the thickness along the surface. Makes the search of fine meshes faster; wrong for bodies
     /// that are folded when they are first seen.
     float exclusion = 0;
-    /// m, >= 0, under a budget: of contacts nearer to each other than about this on both layers one is enough. 0: half
-    /// an edge. Larger: a fine surface costs less, and what keeps it apart is a coarser body.
+    /// m, >= 0: of contacts nearer to each other than about this on both layers one is enough. 0: all, under a budget
+    /// one per half an edge. Larger: a fine surface costs less, and what keeps it apart is a coarser body.
     float spacing = 0;
 };
 

@@ -58,6 +58,8 @@ Tracker makeTracker(const BallTree& a, const BallTree& b) {
 }
 
 constexpr int mostMoments = 48;  // per way
+/// Of the list of neighbours, of the distance: see NeighbourSettings.
+constexpr float slackOfDistance = 1;
 
 }  // namespace
 
@@ -70,11 +72,17 @@ struct NearPairs::Moment {
 };
 
 NearPairs::NearPairs(std::shared_ptr<const BallTree> a, std::shared_ptr<const BallTree> b)
-    : m_a(std::move(a)), m_b(std::move(b)), m_tracker(makeTracker(*m_a, *m_b)) {}
+    : m_a(std::move(a)), m_b(std::move(b)), m_tracker(makeTracker(*m_a, *m_b)), m_list(*m_a) {}
 
 NearResult NearPairs::find(const SurfaceInStep& a, const SurfaceInStep& b, const NearSettings& settings,
                            std::vector<TrianglePair>& pairs) {
     pairs.clear();
+    if (m_a == m_b && settings.budget.work == unlimited && settings.budget.time == never) {
+        return findItself(a, settings, pairs);
+    }
+    if (b.rigid && settings.budget.work == unlimited && settings.budget.time == never) {
+        return findBeside(a, settings, pairs);
+    }
     NearResult result;
     result.stop = StopReason::certain;
     result.certain = true;
@@ -115,6 +123,40 @@ NearResult NearPairs::find(const SurfaceInStep& a, const SurfaceInStep& b, const
     std::ranges::sort(pairs);
     const auto repeated = std::ranges::unique(pairs);
     pairs.erase(repeated.begin(), repeated.end());
+    return result;
+}
+
+NearResult NearPairs::findBeside(const SurfaceInStep& a, const NearSettings& settings,
+                                 std::vector<TrianglePair>& pairs) {
+    if (!m_beside) {
+        m_beside.emplace(*m_a, *m_b);
+    }
+    const std::array moments{a.last, a.before, a.after};
+    NearResult result;
+    const float rounding = 1e-6F * (m_a->extent + m_b->extent);
+    result.work = m_beside->find(moments, settings.distance + rounding, pairs);
+    result.certain = true;
+    result.stop = StopReason::certain;
+    std::ranges::sort(pairs);
+    return result;
+}
+
+NearResult NearPairs::findItself(const SurfaceInStep& body, const NearSettings& settings,
+                                 std::vector<TrianglePair>& pairs) {
+    const float distance = std::max(settings.distance, 1e-6F * m_a->extent);
+    m_list.find(body.last, body.before, body.after, {distance, slackOfDistance * distance, settings.exclusion},
+                m_listed);
+    NearResult result;
+    result.work = m_listed.work;
+    result.fault = m_listed.fault;
+    result.certain = !m_listed.fault;
+    result.stop = m_listed.fault ? StopReason::invalidInput : StopReason::certain;
+    if (settings.thin) {
+        m_thin.find(*m_a, body, m_listed.pairs, distance, settings.spacing, settings.near, pairs);
+    } else {
+        pairs.swap(m_listed.pairs);
+        std::ranges::sort(pairs);
+    }
     return result;
 }
 

@@ -9,6 +9,9 @@
 
 #include <grapeshot/core/budget.hpp>
 #include <grapeshot/plugin/detail/surface_contacts.hpp>
+#include <grapeshot/plugin/detail/thin_pairs.hpp>
+#include <grapeshot/scf/box_pairs.hpp>
+#include <grapeshot/scf/neighbour_list.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
 namespace grapeshot {
@@ -19,6 +22,9 @@ struct NearSettings {
     float distance = 0;   ///< m, margins included
     float spacing = 0;    ///< m, > 0; with a budget: of pairs nearer to each other than this one is enough
     float exclusion = 0;  ///< m; of a body with itself, see TrackSettings
+    /// Of a body with itself, without a budget: thinned by the spacing, too, see ThinPairs.
+    bool thin = false;
+    const IndexLists* near = nullptr;  ///< for that
     std::uint64_t seed = 1;
     std::uint64_t pair = 0;
     /// Unlimited: all pairs. Limited: those that tracking finds, but all if the bodies are too fast for that.
@@ -49,9 +55,15 @@ class NearPairs {
   private:
     struct Moment;
     void look(const Moment& moment, const NearSettings& settings, NearResult& result, std::vector<TrianglePair>& pairs);
+    NearResult findBeside(const SurfaceInStep& a, const NearSettings& settings, std::vector<TrianglePair>& pairs);
+    NearResult findItself(const SurfaceInStep& body, const NearSettings& settings, std::vector<TrianglePair>& pairs);
 
     std::shared_ptr<const BallTree> m_a, m_b;
     Tracker m_tracker;
+    NeighbourList m_list;  // of a body with itself
+    NeighbourResult m_listed;
+    ThinPairs m_thin;
+    std::optional<BoxPairs> m_beside;  // what is rigid
     TrackResult m_found;
     std::vector<Eigen::Vector3f> m_positionsA, m_positionsB;
 };

@@ -114,8 +114,7 @@ bool SoftRigidPair::readPositions(const btSoftBody& soft, const btTransform& fro
         return deformedPositionsOf(soft, *m_soft, 0, from, m_before) &&
                deformedPositionsOf(soft, *m_soft, timeStep, to, m_after);
     }
-    return positionsOf(soft, *m_soft, NodePart::before, from, m_before) &&
-           positionsOf(soft, *m_soft, NodePart::after, to, m_after);
+    return positionsOf(soft, *m_soft, from, to, m_before, m_after);
 }
 
 /// Somebody has put a body elsewhere: what it passed on that way is of no concern.
@@ -129,8 +128,29 @@ void SoftRigidPair::forgetIfMoved() {
     m_usualWay = way;
 }
 
+namespace {
+
+float farthestOf(std::span<const Eigen::Vector3f> positions) {
+    float most = 0;
+    for (const Eigen::Vector3f& p : positions) {
+        most = std::max(most, p.squaredNorm());
+    }
+    return std::sqrt(most);
+}
+
+}  // namespace
+
 void SoftRigidPair::holdNodes(const btSoftBody& soft, const btTransform& from, const btTransform& to, float distance) {
     const btTransform stillInEnd = to.inverseTimes(from);
+    // x - still = (1 - turn) x - shift, and |1 - turn| is at most the root of its entries' squares.
+    btScalar turned = 0;
+    for (int row = 0; row < 3; ++row) {
+        turned += (stillInEnd.getBasis()[row] - btMatrix3x3::getIdentity()[row]).length2();
+    }
+    const auto farthest = static_cast<btScalar>(farthestOf(m_before));
+    if (btSqrt(turned) * farthest + stillInEnd.getOrigin().length() <= static_cast<btScalar>(distance)) {
+        return;
+    }
     std::vector<float> pulls;
     for (std::size_t i = 0; i < m_held.size(); ++i) {
         const Eigen::Vector3f still = toEigen(stillInEnd * toBullet(m_before[i]));

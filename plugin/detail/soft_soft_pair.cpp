@@ -7,9 +7,9 @@
 
 #include <grapeshot/plugin/detail/bring_back.hpp>
 #include <grapeshot/plugin/detail/convert.hpp>
-#include <grapeshot/plugin/detail/near_vertices.hpp>
 #include <grapeshot/plugin/detail/repulsion_writer.hpp>
 #include <grapeshot/plugin/detail/soft_contact_writer.hpp>
+#include <grapeshot/scf/near_vertices.hpp>
 #include <grapeshot/scf/stretch.hpp>
 
 namespace grapeshot {
@@ -34,10 +34,14 @@ Eigen::Vector3f meanWay(const Positions& from, const Positions& to) {
     return (sum / std::max(1.0, static_cast<double>(from.size()))).cast<float>();
 }
 
-void shift(Positions& positions, const Eigen::Vector3f& by) {
-    for (Eigen::Vector3f& p : positions) {
-        p += by;
+/// Moves all by the same; returns the longest way to the others that is left, m.
+float shift(Positions& positions, const Eigen::Vector3f& by, const Positions& others) {
+    float most = 0;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        positions[i] += by;
+        most = std::max(most, (positions[i] - others[i]).squaredNorm());
     }
+    return std::sqrt(most);
 }
 
 }  // namespace
@@ -90,8 +94,7 @@ bool SoftSoftPair::readPositions(btSoftBody& a, btSoftBody& b, const SoftSoftTas
             return deformedPositionsOf(body, *side.surface, 0, frame, side.before) &&
                    deformedPositionsOf(body, *side.surface, task.timeStep, frame, side.after);
         }
-        return positionsOf(body, *side.surface, NodePart::before, frame, side.before) &&
-               positionsOf(body, *side.surface, NodePart::after, frame, side.after);
+        return positionsOf(body, *side.surface, frame, frame, side.before, side.after);
     };
     if (!read(m_a, a) || (!m_itself && !read(m_b, b))) {
         return false;
@@ -106,10 +109,8 @@ bool SoftSoftPair::readPositions(btSoftBody& a, btSoftBody& b, const SoftSoftTas
     float way = 0;
     float lastWay = 0;
     for (Side* side : {&m_a, &m_b}) {
-        shift(side->after, -m_drift);
-        shift(side->last, past);
-        way = std::max(way, longestWay(side->before, side->after));
-        lastWay = known ? std::max(lastWay, longestWay(side->last, side->before)) : 0;
+        way = std::max(way, shift(side->after, -m_drift, side->before));
+        lastWay = known ? std::max(lastWay, shift(side->last, past, side->before)) : 0;
     }
     // Somebody has put a body elsewhere: what it passed on that way is of no concern.
     if (!known || lastWay > 4 * (way + m_usualWay) + 0.5F * m_a.surface->meanEdge) {
@@ -195,10 +196,12 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
     settings.distance = task.distance;
     settings.spacing = task.spacing > 0 ? task.spacing : 0.5F * std::min(m_a.surface->meanEdge, m_b.surface->meanEdge);
     settings.exclusion = task.exclusion;
+    settings.thin = m_itself && task.spacing > 0;
+    settings.near = &m_nearVertices;
     settings.seed = m_context.settings.seed;
     settings.pair = task.key;
     settings.budget = task.budget;
-    const bool canFace = task.exclusion == 0 && !first.thread && !second.thread;
+    const bool canFace = task.exclusion == 0 && !settings.thin && !first.thread && !second.thread;
     const std::optional<Faced> faced = canFace ? tryFaced(task, result.near) : std::nullopt;
     if (!faced) {
         const std::uint64_t tried = result.near.work;

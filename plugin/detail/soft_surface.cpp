@@ -17,26 +17,43 @@ int indexOf(const btSoftBody& body, const btSoftBody::Node* node) {
     return static_cast<int>(node - &body.m_nodes[0]);
 }
 
-/// Visits the node indices of what makes the surface, until it returns false.
+/// Of a body whose elements did not change in number, so many are compared with what was read in each look: reading all
+/// of a fine body's takes longer than its search.
+constexpr std::size_t comparedAtOnce = 4096;
+
+/// Nodes of each of the elements that make the surface; 0: there are none.
+std::size_t cornersOf(const btSoftBody& body) {
+    if (body.m_nodes.size() == 0) {
+        return 0;
+    }
+    return body.m_tetras.size() > 0 ? 4 : (body.m_faces.size() > 0 ? 3 : 2);
+}
+std::size_t elementsOf(const btSoftBody& body) {
+    const int sizes[] = {0, 0, body.m_links.size(), body.m_faces.size(), body.m_tetras.size()};
+    return static_cast<std::size_t>(sizes[cornersOf(body)]);
+}
+
+/// Visits the node indices of so many elements, until it returns false.
 template <class Visit>
-bool visitElements(const btSoftBody& body, const Visit& visit) {
+bool visitElements(const btSoftBody& body, std::size_t first, std::size_t last, const Visit& visit) {
     const auto all = [&](const auto& elements, int corners) {
-        for (int i = 0; i < elements.size(); ++i) {
+        for (std::size_t i = first; i < last; ++i) {
             for (int k = 0; k < corners; ++k) {
-                if (!visit(indexOf(body, elements[i].m_n[k]))) {
+                if (!visit(indexOf(body, elements[static_cast<int>(i)].m_n[k]))) {
                     return false;
                 }
             }
         }
         return true;
     };
-    if (body.m_nodes.size() == 0) {
-        return true;
+    switch (cornersOf(body)) {
+        case 4:
+            return all(body.m_tetras, 4);
+        case 3:
+            return all(body.m_faces, 3);
+        default:
+            return all(body.m_links, 2);
     }
-    if (body.m_tetras.size() > 0) {
-        return all(body.m_tetras, 4);
-    }
-    return body.m_faces.size() > 0 ? all(body.m_faces, 3) : all(body.m_links, 2);
 }
 
 Triangle triangle(int a, int b, int c) {
@@ -79,23 +96,51 @@ std::vector<Triangle> boundaryOf(const std::vector<int>& corners, const std::vec
     return boundary;
 }
 
-template <class PositionOf>
-bool readPositions(const btSoftBody& body, const SoftSurface& surface, const btTransform& frame,
-                   std::vector<Eigen::Vector3f>& positions, const PositionOf& positionOf) {
-    const btTransform inverse = frame.inverse();
-    const auto nodes = static_cast<std::uint32_t>(body.m_nodes.size());
-    positions.resize(surface.tree.surface.rest.size());
-    bool finite = nodes == surface.nodes;
-    for (std::uint32_t i = 0; i < nodes && finite; ++i) {
-        positions[i] = toEigen(inverse * positionOf(body.m_nodes[static_cast<int>(i)]));
-        finite = positions[i].allFinite();
+/// From the world into a frame.
+class IntoFrame {
+  public:
+    explicit IntoFrame(const btTransform& frame)
+        : m_inverse(frame.inverse()),
+          m_origin(frame.getOrigin()),
+          m_isTurned(!(frame.getBasis() == btMatrix3x3::getIdentity())) {}
+    Eigen::Vector3f operator()(const btVector3& at) const {
+        return toEigen(m_isTurned ? m_inverse * at : at - m_origin);
     }
-    if (finite && surface.thread) {
+
+  private:
+    btTransform m_inverse;
+    btVector3 m_origin;
+    bool m_isTurned;
+};
+
+/// Also the middles of links. @param wrong sum of nothing times each position: no number if one is none
+bool complete(const SoftSurface& surface, const Eigen::Vector3f& wrong, std::vector<Eigen::Vector3f>& positions) {
+    if (!wrong.allFinite()) {
+        return false;
+    }
+    if (surface.thread) {
         for (const Triangle& t : surface.triangles()) {
             positions[t[2]] = 0.5F * (positions[t[0]] + positions[t[1]]);
         }
     }
-    return finite;
+    return true;
+}
+
+template <class PositionOf>
+bool readPositions(const btSoftBody& body, const SoftSurface& surface, const btTransform& frame,
+                   std::vector<Eigen::Vector3f>& positions, const PositionOf& positionOf) {
+    const IntoFrame intoFrame(frame);
+    const auto nodes = static_cast<std::uint32_t>(body.m_nodes.size());
+    positions.resize(surface.tree.surface.rest.size());
+    if (nodes != surface.nodes) {
+        return false;
+    }
+    Eigen::Vector3f wrong = Eigen::Vector3f::Zero();
+    for (std::uint32_t i = 0; i < nodes; ++i) {
+        positions[i] = intoFrame(positionOf(body.m_nodes[static_cast<int>(i)]));
+        wrong += 0 * positions[i];
+    }
+    return complete(surface, wrong, positions);
 }
 
 }  // namespace
@@ -115,25 +160,51 @@ bool positionsOf(const btSoftBody& body, const SoftSurface& surface, NodePart pa
     });
 }
 
+bool positionsOf(const btSoftBody& body, const SoftSurface& surface, const btTransform& frameBefore,
+                 const btTransform& frameAfter, std::vector<Eigen::Vector3f>& before,
+                 std::vector<Eigen::Vector3f>& after) {
+    const IntoFrame intoBefore(frameBefore);
+    const IntoFrame intoAfter(frameAfter);
+    const auto nodes = static_cast<std::uint32_t>(body.m_nodes.size());
+    before.resize(surface.tree.surface.rest.size());
+    after.resize(before.size());
+    if (nodes != surface.nodes) {
+        return false;
+    }
+    Eigen::Vector3f wrong = Eigen::Vector3f::Zero();
+    for (std::uint32_t i = 0; i < nodes; ++i) {
+        const btSoftBody::Node& node = body.m_nodes[static_cast<int>(i)];
+        before[i] = intoBefore(node.m_q);
+        after[i] = intoAfter(node.m_x);
+        wrong += 0 * before[i] + 0 * after[i];
+    }
+    return complete(surface, wrong, before) && complete(surface, wrong, after);
+}
+
 bool deformedPositionsOf(const btSoftBody& body, const SoftSurface& surface, btScalar seconds, const btTransform& frame,
                          std::vector<Eigen::Vector3f>& positions) {
     return readPositions(body, surface, frame, positions,
                          [seconds](const btSoftBody::Node& node) { return node.m_x + seconds * node.m_v; });
 }
 
-bool SoftEntry::isChanged(const btSoftBody& body) {
+bool SoftEntry::isChanged(const btSoftBody& body, bool thoroughly) {
     const std::array<int, 4> sizes{body.m_nodes.size(), body.m_tetras.size(), body.m_faces.size(), body.m_links.size()};
-    std::size_t i = 0;
-    const bool same =
-        sizes[0] == m_sizes[0] && sizes[1] == m_sizes[1] && sizes[2] == m_sizes[2] &&
-        visitElements(body, [&](int index) { return i < m_elements.size() && m_elements[i++] == index; }) &&
-        i == m_elements.size();
-    if (same) {
-        return false;
+    const std::size_t elements = elementsOf(body);
+    const std::size_t corners = cornersOf(body);
+    const bool sameSizes = sizes[0] == m_sizes[0] && sizes[1] == m_sizes[1] && sizes[2] == m_sizes[2] &&
+                           elements * corners == m_elements.size();
+    if (sameSizes) {
+        const std::size_t first = thoroughly || m_compared >= elements ? 0 : m_compared;
+        const std::size_t last = thoroughly ? elements : std::min(elements, first + comparedAtOnce);
+        std::size_t i = first * corners;
+        m_compared = last;
+        if (visitElements(body, first, last, [&](int index) { return m_elements[i++] == index; })) {
+            return false;
+        }
     }
     m_sizes = sizes;
     m_elements.clear();
-    visitElements(body, [&](int index) {
+    visitElements(body, 0, elements, [&](int index) {
         m_elements.push_back(index);
         return true;
     });
@@ -191,9 +262,10 @@ std::shared_ptr<const SoftSurface> SoftEntry::surface(const btSoftBody& body, st
         body.m_tetras.size() == m_sizes[1] && body.m_faces.size() == m_sizes[2]) {
         return m_surface;
     }
+    const bool thoroughly = look == 0 || place != m_place;
     m_look = look;
     m_place = place;
-    if (isChanged(body) || (m_surface == nullptr && look == 0)) {
+    if (isChanged(body, thoroughly) || (m_surface == nullptr && look == 0)) {
         m_surface.reset();
         m_error.clear();
         try {

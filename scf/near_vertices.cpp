@@ -1,12 +1,10 @@
-#include <grapeshot/plugin/detail/near_vertices.hpp>
+#include <grapeshot/scf/near_vertices.hpp>
 
 #include <algorithm>
 #include <queue>
 #include <utility>
 
 namespace grapeshot {
-inline namespace GRAPESHOT_PRECISION {
-namespace detail {
 
 IndexLists nearVertices(const Surface& surface, float distance) {
     using Reached = std::pair<float, std::uint32_t>;
@@ -48,6 +46,4 @@ IndexLists nearVertices(const Surface& surface, float distance) {
     return near;
 }
 
-}  // namespace detail
-}  // namespace GRAPESHOT_PRECISION
 }  // namespace grapeshot
