@@ -27,14 +27,14 @@ CarriedBody::CarriedBody(btSoftBodyWorldInfo& info, std::unique_ptr<btSoftBody> 
     readCore();
     std::vector<btVector3> points;
     for (std::uint32_t v = 0; v < m_carried.vertices(); ++v) {
-        points.push_back(toBullet(placeOf(v, m_nodes.now)));
+        points.push_back(toBullet(placeOf(m_carried, v, m_nodes.now)));
     }
     const std::vector<btScalar> fixed(points.size(), 0);
     m_surface = std::make_unique<btSoftBody>(&info, static_cast<int>(points.size()), points.data(), fixed.data());
     for (const Triangle& t : m_carried.triangles) {
         m_surface->appendFace(static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2]));
     }
-    place(true);
+    m_guard = std::make_unique<CrossingGuard>(m_carried, m_nodes);
 }
 
 void CarriedBody::readCore() {
@@ -57,28 +57,20 @@ void CarriedBody::writeCore() {
     }
 }
 
-Vector3d CarriedBody::placeOf(std::uint32_t vertex, const std::vector<Vector3d>& nodes) const {
-    Vector3d place = Vector3d::Zero();
-    for (std::uint32_t k = m_carried.begin(vertex); k < m_carried.ends[vertex]; ++k) {
-        place += static_cast<double>(m_carried.shares[k].weight) * nodes[m_carried.shares[k].node];
-    }
-    return place;
-}
-
-/// From m_nodes.
-void CarriedBody::place(bool alsoBefore) {
+/// The surface's vertices, the end of the step before being its begin if they are those of a new one.
+void CarriedBody::place(const std::vector<Vector3d>& points, bool begins) {
     const auto big = btScalar(1e18);
     btVector3 low(big, big, big), high(-big, -big, -big);
     for (std::uint32_t v = 0; v < m_carried.vertices(); ++v) {
         btSoftBody::Node& node = m_surface->m_nodes[static_cast<int>(v)];
-        node.m_x = toBullet(placeOf(v, m_nodes.now));
-        low.setMin(node.m_x);
-        high.setMax(node.m_x);
-        if (alsoBefore) {
-            node.m_q = toBullet(placeOf(v, m_nodes.before));
-            low.setMin(node.m_q);
-            high.setMax(node.m_q);
+        if (begins) {
+            node.m_q = node.m_x;
         }
+        node.m_x = toBullet(points[v]);
+        low.setMin(node.m_x);
+        low.setMin(node.m_q);
+        high.setMax(node.m_x);
+        high.setMax(node.m_q);
     }
     const auto margin = m_surface->getCollisionShape()->getMargin();
     m_surface->m_bounds[0] = low - btVector3(margin, margin, margin);
@@ -92,7 +84,14 @@ void CarriedBody::place(bool alsoBefore) {
 void CarriedBody::predict(btScalar seconds) {
     m_core->predictMotion(seconds);
     readCore();
-    place(true);
+    m_points.resize(m_carried.vertices());
+    for (std::uint32_t v = 0; v < m_carried.vertices(); ++v) {
+        m_points[v] = placeOf(m_carried, v, m_nodes.now);
+    }
+    place(m_points, true);
+    // Bullet's solver clears them, and solves no surface of ours.
+    m_surface->m_rcontacts.resize(0);
+    m_surface->m_scontacts.resize(0);
 }
 
 void CarriedBody::keepAboveGround() {
@@ -118,7 +117,8 @@ void CarriedBody::keepAboveGround() {
     }
 }
 
-void CarriedBody::solve(const std::vector<SurfaceContact>& contacts, btScalar seconds) {
+void CarriedBody::solve(const std::vector<SurfaceContact>& contacts, std::span<const Obstacle> obstacles,
+                        btScalar seconds) {
     m_contacts = static_cast<int>(contacts.size());
     m_contactsWithRigid = static_cast<int>(
         std::count_if(contacts.begin(), contacts.end(), [](const SurfaceContact& contact) { return contact.rigid; }));
@@ -145,13 +145,18 @@ void CarriedBody::solve(const std::vector<SurfaceContact>& contacts, btScalar se
         }
     }
     writeCore();
+    for (int i = 0; i < m_core->m_nodes.size(); ++i) {
+        m_nodes.now[static_cast<std::size_t>(i)] = toEigen(m_core->m_nodes[i].m_x);  // rounded
+    }
+    m_guarded = m_guard->hold(m_nodes, obstacles);
+    writeCore();
     const btScalar perSecond = (1 - m_core->m_cfg.kDP) / seconds;
     for (int i = 0; i < m_core->m_nodes.size(); ++i) {
         btSoftBody::Node& node = m_core->m_nodes[i];
         node.m_v = perSecond * (node.m_x - node.m_q);
     }
     m_impulse = m_projection.pushOnRigid() / static_cast<double>(seconds);
-    place(false);
+    place(m_guard->points(), false);
 }
 
 }  // namespace grapeshot::soft

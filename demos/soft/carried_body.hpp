@@ -13,11 +13,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <grapeshot/core/mesh_view.hpp>
 
 #include "contact_projection.hpp"
+#include "crossing_guard.hpp"
 
 namespace grapeshot::soft {
 
@@ -39,8 +41,9 @@ class CarriedBody {
 
     /// In place of btSoftBody::predictMotion.
     void predict(btScalar seconds);
-    /// In place of btSoftBody::solveConstraints. @param contacts of the surface in this step
-    void solve(const std::vector<SurfaceContact>& contacts, btScalar seconds);
+    /// In place of btSoftBody::solveConstraints. @param contacts of the surface in this step @param obstacles that it
+    /// must not pass through
+    void solve(const std::vector<SurfaceContact>& contacts, std::span<const Obstacle> obstacles, btScalar seconds);
     [[nodiscard]] btSoftBody& core() { return *m_core; }
     /// To be added to the world, and removed before this goes.
     [[nodiscard]] btSoftBody& surface() { return *m_surface; }
@@ -48,11 +51,12 @@ class CarriedBody {
     [[nodiscard]] const Eigen::Vector3d& impulseOnRigid() const { return m_impulse; }
 
     [[nodiscard]] int contacts() const { return m_contacts; }
+    /// What the last step's ways were shortened by.
+    [[nodiscard]] const GuardResult& guarded() const { return m_guarded; }
     [[nodiscard]] int contactsWithRigid() const { return m_contactsWithRigid; }
 
   private:
-    [[nodiscard]] Eigen::Vector3d placeOf(std::uint32_t vertex, const std::vector<Eigen::Vector3d>& nodes) const;
-    void place(bool alsoBefore);
+    void place(const std::vector<Eigen::Vector3d>& points, bool begins);
     void readCore();
     void writeCore();
     void keepAboveGround();
@@ -62,6 +66,9 @@ class CarriedBody {
     CarriedSettings m_settings;
     ContactProjection m_projection;
     CoreNodes m_nodes;
+    std::unique_ptr<CrossingGuard> m_guard;
+    GuardResult m_guarded;
+    std::vector<Eigen::Vector3d> m_points;  // of the surface, predicted
     int m_contacts = 0, m_contactsWithRigid = 0;
     Eigen::Vector3d m_impulse = Eigen::Vector3d::Zero();
 };

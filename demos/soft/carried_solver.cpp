@@ -62,7 +62,7 @@ void CarriedSolver::solveConstraints(btScalar seconds) {
             for (const SoftContact& told : known) {
                 contacts.push_back(contactOf(told, body));
             }
-            carried->solve(contacts, seconds);
+            carried->solve(contacts, obstacles, seconds);
         } else if (body.isActive()) {
             body.solveConstraints();
         }

@@ -21,6 +21,8 @@ class CarriedSolver : public btDefaultSoftBodySolver {
 
     /// It must stay while the world steps.
     void add(CarriedBody& body) { m_carried.push_back(&body); }
+    /// Rigid meshes that the surfaces must not pass through in the next step.
+    std::vector<Obstacle> obstacles;
     void predictMotion(btScalar seconds) override;
     void solveConstraints(btScalar seconds) override;
     void updateSoftBodies() override;

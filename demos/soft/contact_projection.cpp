@@ -16,6 +16,14 @@ double targetOf(double before, double thickness) {
 
 }  // namespace
 
+Vector3d placeOf(const CarriedSurface& surface, std::uint32_t vertex, const std::vector<Vector3d>& nodes) {
+    Vector3d place = Vector3d::Zero();
+    for (std::uint32_t k = surface.begin(vertex); k < surface.ends[vertex]; ++k) {
+        place += static_cast<double>(surface.shares[k].weight) * nodes[surface.shares[k].node];
+    }
+    return place;
+}
+
 CarriedSurface ownSurface(const btSoftBody& body) {
     CarriedSurface surface;
     for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(body.m_nodes.size()); ++i) {

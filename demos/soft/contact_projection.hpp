@@ -26,6 +26,10 @@ struct CarriedSurface {
     [[nodiscard]] std::uint32_t begin(std::uint32_t vertex) const { return vertex == 0 ? 0 : ends[vertex - 1]; }
 };
 
+/// Of a vertex, if the nodes are there.
+[[nodiscard]] Eigen::Vector3d placeOf(const CarriedSurface& surface, std::uint32_t vertex,
+                                      const std::vector<Eigen::Vector3d>& nodes);
+
 /// The body's own faces, each vertex a node.
 [[nodiscard]] CarriedSurface ownSurface(const btSoftBody& body);
 

@@ -80,24 +80,6 @@ Grid gridOf(const Surface& surface) {
     return grid;
 }
 
-/// Möller and Trumbore, open on all borders.
-bool meet(const Vector3d& from, const Vector3d& to, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-    const Vector3d way = to - from;
-    const Vector3d u = b - a;
-    const Vector3d v = c - a;
-    const Vector3d p = way.cross(v);
-    const double det = u.dot(p);
-    if (det == 0) {
-        return false;
-    }
-    const Vector3d w = from - a;
-    const double s = w.dot(p) / det;
-    const Vector3d q = w.cross(u);
-    const double t = way.dot(q) / det;
-    const double along = v.dot(q) / det;
-    return s > 0 && t > 0 && s + t < 1 && along > 0 && along < 1;
-}
-
 std::vector<std::pair<std::uint32_t, std::uint32_t>> edgesOf(const Surface& surface) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (const Triangle& t : surface.triangles) {
@@ -113,6 +95,23 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> edgesOf(const Surface& surf
 }
 
 }  // namespace
+
+bool passesThrough(const Vector3d& from, const Vector3d& to, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+    const Vector3d way = to - from;
+    const Vector3d u = b - a;
+    const Vector3d v = c - a;
+    const Vector3d p = way.cross(v);
+    const double det = u.dot(p);
+    if (det == 0) {
+        return false;
+    }
+    const Vector3d w = from - a;
+    const double s = w.dot(p) / det;
+    const Vector3d q = w.cross(u);
+    const double t = way.dot(q) / det;
+    const double along = v.dot(q) / det;
+    return s > 0 && t > 0 && s + t < 1 && along > 0 && along < 1;
+}
 
 std::vector<CrossedEdge> crossedEdges(const Surface& edges, const Surface& faces) {
     const bool same = &edges == &faces;
@@ -136,7 +135,7 @@ std::vector<CrossedEdge> crossedEdges(const Surface& edges, const Surface& faces
             const bool shared = same && std::any_of(t.begin(), t.end(), [&, a = first, b = second](std::uint32_t i) {
                                     return i == a || i == b;
                                 });
-            if (!shared && meet(from, to, faces.points[t[0]], faces.points[t[1]], faces.points[t[2]])) {
+            if (!shared && passesThrough(from, to, faces.points[t[0]], faces.points[t[1]], faces.points[t[2]])) {
                 crossed.push_back({first, second, triangle});
             }
         }

@@ -21,6 +21,10 @@ struct Surface {
 struct CrossedEdge {
     std::uint32_t from, to, triangle;
 };
+/// Möller and Trumbore, open on all borders: what only touches does not pass.
+[[nodiscard]] bool passesThrough(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector3d& a,
+                                 const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
 /// All pairs of an edge of `edges` and a triangle of `faces` that meet, in both surfaces' interior. With the same
 /// surface twice, pairs that share a vertex are left out. Surfaces that only touch have none. Some us a triangle;
 /// triangles with points that are no numbers, farther than 1 km or larger than 4 m are passed over.

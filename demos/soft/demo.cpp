@@ -1,5 +1,6 @@
 #include "demo.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
@@ -11,7 +12,6 @@ namespace grapeshot::soft {
 
 namespace {
 
-constexpr std::size_t judgedStride = 15;
 constexpr int picturesOfRun = 6;
 
 std::vector<Method> methodsOf(const DemoOptions& options) {
@@ -34,6 +34,20 @@ void show(const JudgedRun& run, const DemoOptions& options, int number) {
     picture(run, title).save(options.pictures / file);
 }
 
+/// Of a run that takes long, once per simulated second.
+void say(const JudgedRun& run) {
+    const StepRecord& now = run.records.back();
+    std::fprintf(stderr, "%s %s %.0f s: step %.1f ms, detection %.1f ms", run.scene.name.c_str(),
+                 std::string(name(run.scene.world->method())).c_str(),
+                 timeStep * static_cast<double>(run.records.size()), 1e3 * now.seconds, 1e3 * now.detectionSeconds);
+    if (now.exact) {
+        std::fprintf(stderr, ", exact %.1f ms, %zu of %zu covered", 1e3 * now.exact->seconds, now.exact->covered,
+                     now.exact->contacts);
+    }
+    std::fprintf(stderr, ", %.0f units, %d contacts, %d nodes held, %zu edges tangled, %zu pierced\n", now.work,
+                 now.contacts, now.held, run.lastTangle, run.lastPierced);
+}
+
 void runScene(const SceneMaker& maker, const DemoOptions& options, report::Report& report) {
     std::vector<std::unique_ptr<JudgedRun>> runs;
     std::vector<const JudgedRun*> views;
@@ -42,7 +56,8 @@ void runScene(const SceneMaker& maker, const DemoOptions& options, report::Repor
         views.push_back(runs.back().get());
     }
     // Step by step in turns, so that what else the machine does hits all alike.
-    for (int step = 0; step < options.steps; ++step) {
+    const int end = options.stop > 0 ? std::min(options.stop, options.steps) : options.steps;
+    for (int step = 0; step < end; ++step) {
         for (const auto& run : runs) {
             const bool shown = !options.pictures.empty() &&
                                step * picturesOfRun / options.steps != (step - 1) * picturesOfRun / options.steps;
@@ -52,7 +67,10 @@ void runScene(const SceneMaker& maker, const DemoOptions& options, report::Repor
             if (!options.pictures.empty() && (step == 0 || shown)) {
                 show(*run, options, step * picturesOfRun / options.steps);
             }
-            run->advance(judgedStride);
+            run->advance(static_cast<std::size_t>(options.judged));
+            if (options.progress && (step + 1) % 60 == 0) {
+                say(*run);
+            }
         }
     }
     for (const auto& run : runs) {
@@ -75,6 +93,13 @@ void runScene(const SceneMaker& maker, const DemoOptions& options, report::Repor
 void addOptions(CLI::App& app, DemoOptions& options) {
     app.add_option("--seed", options.seed, "of the samples")->capture_default_str();
     app.add_option("--steps", options.steps, "of 1/60 s")->check(CLI::Range(1, 1000000))->capture_default_str();
+    app.add_option("--stop", options.stop, "end after so many of the steps; 0: after all")
+        ->check(CLI::Range(0, 1000000))
+        ->capture_default_str();
+    app.add_option("--judge", options.judged, "look for edges that pass through triangles in every such step")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    app.add_flag("--progress", options.progress, "a line per simulated second, to the standard error");
     app.add_option("--json", options.json, "write the numbers to this file");
     app.add_option("--pictures", options.pictures, "write pictures to this folder");
     app.add_option("--against", options.against,

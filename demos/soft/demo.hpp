@@ -18,6 +18,9 @@ namespace grapeshot::soft {
 struct DemoOptions {
     std::uint64_t seed = 1;
     int steps = 600;
+    int stop = 0;     ///< > 0: end after so many of them
+    int judged = 15;  ///< steps from one look of the judge to the next
+    bool progress = false;
     std::filesystem::path json;
     std::filesystem::path pictures;
     std::string against = "none";

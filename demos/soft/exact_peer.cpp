@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include <grapeshot/scf/near_vertices.hpp>
 #include <report/machine.hpp>
 
 namespace grapeshot::soft {
@@ -75,14 +76,18 @@ ExactPeer::ExactPeer(const btSoftBody& surface, const SelfCollision& how) {
     m_tree = std::make_unique<BallTree>(buildBallTree({rest, triangles}));
     m_tracker = std::make_unique<Tracker>(*m_tree);
     m_settings.mode = TrackMode::exact;
-    m_settings.maxDistance = 1.5F * how.thickness;
     m_settings.exclusion = how.exclusion;
-    m_tracker->step(SurfaceState{rest, std::nullopt, Stretch::measured(), {}}, m_settings, Budget{}, m_found);
-    for (const TrackedContact& contact : m_found.contacts) {
-        m_neighbours.push_back(contact.pair);
-    }
-    std::ranges::sort(m_neighbours);
+    m_near = nearVertices(m_tree->surface, 1.5F * how.thickness);
     m_thickness = how.thickness;
+}
+
+/// As the library has it: corners that are near each other along the surface.
+bool ExactPeer::areNeighbours(const TrianglePair& pair) const {
+    const std::vector<Triangle>& triangles = m_tree->surface.triangles;
+    return std::ranges::any_of(triangles[pair.triangleA], [&](std::uint32_t v) {
+        return std::ranges::any_of(triangles[pair.triangleB],
+                                   [&](std::uint32_t w) { return std::ranges::binary_search(m_near.of(v), w); });
+    });
 }
 
 ExactComparison ExactPeer::compare(const btSoftBody& surface, const std::vector<SoftContact>& reported, double radius) {
@@ -113,7 +118,7 @@ ExactComparison ExactPeer::compare(const btSoftBody& surface, const std::vector<
         near.add(middle);
     }
     for (const TrackedContact& contact : m_found.contacts) {
-        if (contact.signedDistance > m_thickness || std::ranges::binary_search(m_neighbours, contact.pair)) {
+        if (contact.signedDistance > m_thickness || areNeighbours(contact.pair)) {
             continue;
         }
         ++result.contacts;

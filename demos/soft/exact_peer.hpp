@@ -20,7 +20,7 @@ struct ExactComparison {
 
 class ExactPeer {
   public:
-    /// What is within one and a half times the thickness at rest is a neighbour, and no contact.
+    /// What is within one and a half times the thickness along the surface is a neighbour, and no contact.
     /// @param surface as it stands now, at rest @param how as the surface collides with itself: thickness and exclusion
     ExactPeer(const btSoftBody& surface, const SelfCollision& how);
 
@@ -28,12 +28,14 @@ class ExactPeer {
     ExactComparison compare(const btSoftBody& surface, const std::vector<SoftContact>& reported, double radius);
 
   private:
+    [[nodiscard]] bool areNeighbours(const TrianglePair& pair) const;
+
     std::unique_ptr<BallTree> m_tree;
     std::unique_ptr<Tracker> m_tracker;
     TrackSettings m_settings;
     float m_thickness = 0;  // m
     TrackResult m_found;
-    std::vector<TrianglePair> m_neighbours;  // ascending
+    IndexLists m_near;
 };
 
 }  // namespace grapeshot::soft

@@ -205,7 +205,7 @@ void appendComparison(report::Report& report, const JudgedRun& run) {
 void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* other) {
     const Frames frames = framesOf(run);
     const auto n = static_cast<double>(run.records.size());
-    double contacts = 0, ofSelf = 0, work = 0, sampled = 0, force = 0;
+    double contacts = 0, ofSelf = 0, work = 0, sampled = 0, force = 0, held = 0;
     std::vector<double> bounds;
     std::vector<double> forces;
     for (const StepRecord& record : run.records) {
@@ -213,11 +213,10 @@ void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* oth
         ofSelf += record.contactsOfSelf / n;
         work += record.work / n;
         sampled += record.sampled / n;
+        held += record.held / n;
         force = std::max(force, record.force);
         forces.push_back(record.force);
-        if (record.sampled > 0) {
-            bounds.push_back(record.missBound);
-        }
+        bounds.push_back(record.missBound);
     }
     const auto late = static_cast<double>(
         std::count_if(frames.whole.begin(), frames.whole.end(), [](double us) { return us > 1e6 * frame; }));
@@ -230,6 +229,7 @@ void appendTo(report::Report& report, const JudgedRun& run, const JudgedRun* oth
     row.work = {{"contacts/step", contacts}, {"of soft bodies/step", ofSelf}, {"units/step", work}};
     row.measured = {{"frames over 33 ms", late},
                     {"largest force N", force},
+                    {"nodes held back/step", held},
                     {"tangled edges, worst", static_cast<double>(run.worstTangle)},
                     {"pierced edges, worst", static_cast<double>(run.worstPierced)},
                     {"tangled at the end", static_cast<double>(run.lastTangle)}};

@@ -71,6 +71,9 @@ std::string_view name(Method method) noexcept {
 
 struct World::State {
     explicit State(Method how) : method(how) {}
+    /// What carried surfaces must not pass through.
+    [[nodiscard]] std::vector<Obstacle> obstacles() const;
+
     Method method;
     btSoftBodyRigidBodyCollisionConfiguration configuration;
     scenes::TimedDispatcher dispatcher{&configuration};
@@ -87,6 +90,25 @@ struct World::State {
     std::optional<ExactComparison> comparison;
     double comparisonSeconds = 0;
 };
+
+std::vector<Obstacle> World::State::obstacles() const {
+    std::vector<Obstacle> obstacles;
+    for (const auto& rigid : rigids) {
+        if (rigid->body == nullptr) {
+            continue;
+        }
+        Obstacle& obstacle = obstacles.emplace_back();
+        for (const Eigen::Vector3f& vertex : rigid->mesh.vertices) {
+            obstacle.points.emplace_back(rigid->next.rotation * vertex.cast<double>() + rigid->next.translation);
+        }
+        obstacle.triangles = &rigid->mesh.triangles;
+        if (rigid->driven) {
+            obstacle.turn = rigid->next.rotation * rigid->pose.rotation.transpose();
+            obstacle.shift = rigid->next.translation - obstacle.turn * rigid->pose.translation;
+        }
+    }
+    return obstacles;
+}
 
 World::World(Method method, std::uint64_t sampleSeed, std::uint64_t work) : m_state(std::make_unique<State>(method)) {
     Settings settings = method == Method::exact ? Settings::exact() : Settings{};
@@ -211,6 +233,7 @@ StepRecord World::step() {
             rigid->body->setAngularVelocity(toBullet(turn.axis() * (turn.angle() / timeStep)));
         }
     }
+    state.softSolver.obstacles = state.obstacles();
     ++state.steps;
     state.comparison.reset();
     state.comparisonSeconds = 0;
@@ -232,6 +255,7 @@ StepRecord World::step() {
     for (const Soft& soft : state.softs) {
         if (soft.carried) {
             record.force += soft.carried->impulseOnRigid().norm() / timeStep;
+            record.held += soft.carried->guarded().held;
             record.contacts += soft.carried->contacts();
             record.contactsOfSelf += soft.carried->contacts() - soft.carried->contactsWithRigid();
         }
@@ -243,7 +267,7 @@ StepRecord World::step() {
         record.work = static_cast<double>(stats.work);
         record.sampled = stats.sampled;
         for (const PairStatistics& pair : stats.pairs) {
-            record.missBound = std::max(record.missBound, pair.sampled ? pair.missBound : 0);
+            record.missBound = std::max(record.missBound, pair.missBound);
         }
     }
     return record;

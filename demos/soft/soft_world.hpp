@@ -38,6 +38,7 @@ struct StepRecord {
     double work = 0;              ///< units
     int sampled = 0;              ///< pairs that were tracked and sampled
     double missBound = 0;         ///< the worst of these, share; infinite: the budget ended before it was known
+    int held = 0;                 ///< nodes below carried surfaces that did not go all of their way, see CrossingGuard
     double force = 0;             ///< on the driven body: its impulses over the step, N
     std::optional<ExactComparison> exact;
 };

@@ -27,3 +27,6 @@ says 0 "" "$cloth" --scene torus --nodes 11 --steps 60 --json twice.json
 [ "$(value once.json 'units/step')" = "$(value twice.json 'units/step')" ]
 # Bullet's own lets the sheet through: the judge sees it, and it is not our loss.
 says 0 "bullet" "$cloth" --scene torus --nodes 11 --steps 60 --against bullet
+# What moves on its own way takes the skirt along; nothing passes through anything, and the run says what it holds back.
+says 0 "nodes held back" "$cloth" --scene garment --nodes 9 --steps 90
+says 0 "strands that passed" "$intestine" --length 6 --steps 240 --stop 200
