@@ -38,7 +38,7 @@ class Piles {
     Piles(const Options& options, double margin, report::Report& results)
         : m_options(options), m_results(results), m_label(atMargin(margin)) {
         m_settings.margin = margin;
-        m_starts = options.repetitions.value_or(options.quick ? 1 : 2);
+        m_starts = options.repetitions.value_or(options.quick ? 1 : 3);
         if (options.quick) {
             m_settings.bodies = 10;
             m_settings.trianglesPerBody = 1200;
