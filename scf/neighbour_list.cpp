@@ -19,6 +19,33 @@ float gapSquare(const detail::PlainBox& a, const detail::PlainBox& b) {
     return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0).squaredNorm();
 }
 
+/// Bit per triangle of the leaf whose centroid is farther away at rest.
+std::uint32_t farther(const BallLeaf& leaf, const float (&from)[3], float square) {
+    std::int32_t far[16];
+    for (int k = 0; k < 16; ++k) {
+        const float x = leaf.middle[0][k] - from[0];
+        const float y = leaf.middle[1][k] - from[1];
+        const float z = leaf.middle[2][k] - from[2];
+        far[k] = static_cast<std::int32_t>(x * x + y * y + z * z > square);
+    }
+    std::uint32_t bits = 0;
+    for (int k = 0; k < 16; ++k) {
+        bits |= static_cast<std::uint32_t>(far[k]) << static_cast<unsigned>(k);
+    }
+    return bits;
+}
+
+bool shareCorner(const BallLeaf& a, int i, const BallLeaf& b, int k) {
+    for (const auto& p : a.corner) {
+        for (const auto& q : b.corner) {
+            if (p[i] == q[k]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 bool isUsable(const NeighbourSettings& s) {
     return s.distance >= 0 && s.slack > 0 && s.exclusion >= 0 && std::isfinite(s.distance + s.slack + s.exclusion);
 }
@@ -33,8 +60,10 @@ bool isSame(const NeighbourSettings& a, const NeighbourSettings& b) {
 void NeighbourList::listMoved(Positions last, Positions before, Positions after, const NeighbourSettings& settings) {
     m_now.resize(before.size());
     for (std::size_t v = 0; v < before.size(); ++v) {
-        const float stray = std::max((last[v] - before[v]).squaredNorm(), (after[v] - before[v]).squaredNorm());
-        m_now[v] << before[v], std::sqrt(stray);
+        const float past = (last[v] - before[v]).squaredNorm();
+        const float next = (after[v] - before[v]).squaredNorm();
+        // What is no number stays none, which the larger of two would hide.
+        m_now[v] << before[v], std::sqrt(std::max(past, next)) + 0 * (past + next);
     }
     const auto leaves = static_cast<std::uint32_t>(m_tree->leaves.size());
     const bool known = m_looks.size() == leaves && isSame(m_settings, settings);
@@ -86,34 +115,14 @@ void NeighbourList::picture(std::uint32_t leaf, float reach) {
     m_boxes.set(leaf, boxes, whole, reach);
 }
 
-bool NeighbourList::isExcluded(const BallLeaf& a, int i, const BallLeaf& b, int k, float square) const {
-    float away = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const float d = a.middle[axis][i] - b.middle[axis][k];
-        away += d * d;
-    }
-    if (away <= square) {
-        return true;
-    }
-    // Centroids of triangles that share a corner are at most two thirds of both their longest medians apart.
-    if (away > 4 * m_tree->surface.longestEdge * m_tree->surface.longestEdge) {
-        return false;
-    }
-    for (int p = 0; p < 3; ++p) {
-        for (int q = 0; q < 3; ++q) {
-            if (a.corner[p][i] == b.corner[q][k]) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
 std::uint64_t NeighbourList::compare(std::uint32_t leaf, std::uint32_t other, const NeighbourSettings& settings) {
     const BallLeaf& a = m_tree->leaves[leaf];
     const BallLeaf& b = m_tree->leaves[other];
     const float reach = settings.distance + m_boxes.reach(leaf) + m_boxes.reach(other) + rounding * m_tree->extent;
     const float square = settings.exclusion * settings.exclusion;
+    // Centroids of triangles that share a corner are at most two thirds of both their longest edges apart.
+    const float longest = m_tree->surface.longestEdge;
+    const bool nearby = square <= 4 * longest * longest;
     Found& found = m_found[leaf];
     const auto begin = static_cast<std::uint32_t>(found.pairs.size());
     std::uint64_t work = 1;
@@ -128,10 +137,13 @@ std::uint64_t NeighbourList::compare(std::uint32_t leaf, std::uint32_t other, co
         if (other == leaf) {
             bits &= ~((2U << static_cast<unsigned>(i)) - 1);
         }
+        if (bits != 0) {
+            bits &= farther(b, {a.middle[0][i], a.middle[1][i], a.middle[2][i]}, square);
+        }
         for (; bits != 0; bits &= bits - 1) {
             const int k = __builtin_ctz(bits);
             if (gapSquare(m_boxes.boxes(leaf).at(i), m_boxes.boxes(other).at(k)) <= reach * reach &&
-                !isExcluded(a, i, b, k, square)) {
+                !(nearby && shareCorner(a, i, b, k))) {
                 found.pairs.push_back({std::min(a.triangle[i], b.triangle[k]), std::max(a.triangle[i], b.triangle[k])});
             }
         }

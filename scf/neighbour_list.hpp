@@ -68,7 +68,6 @@ class NeighbourList {
     void picture(std::uint32_t leaf, float reach);
     std::uint64_t search(std::uint32_t leaf, const NeighbourSettings& settings);
     std::uint64_t compare(std::uint32_t leaf, std::uint32_t other, const NeighbourSettings& settings);
-    [[nodiscard]] bool isExcluded(const BallLeaf& a, int i, const BallLeaf& b, int k, float square) const;
 
     const BallTree* m_tree;
     NeighbourSettings m_settings;

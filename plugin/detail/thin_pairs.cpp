@@ -84,7 +84,8 @@ void ThinPairs::find(const BallTree& tree, const SurfaceInStep& body, std::span<
             candidate.place[1] = static_cast<std::int32_t>(tree.leafOfTriangle[pair.triangleB]);
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 const float middle = 0.5F * (found.onA[axis][lane] + found.onB[axis][lane]);
-                candidate.place[2 + axis] = static_cast<std::int32_t>(std::floor(middle / spacing));
+                candidate.place[2 + axis] =
+                    static_cast<std::int32_t>(std::clamp(std::floor(middle / spacing), -1e9F, 1e9F));
             }
             candidate.distance = found.signedDistance[lane];
             candidate.pair = pair;

@@ -113,7 +113,7 @@ TEST(CrossingGuard, TakesAlongWhatARigidBodyRunsInto) {
 TEST(CrossingGuard, EndsWhereThereIsNoWayOut) {
     Sheets sheets(2);
     for (std::size_t i = 0; i < sheets.perSheet; ++i) {
-        sheets.nodes.before[i].y() += 0.1 * (sheets.nodes.before[i].x() + 0.5);
+        sheets.nodes.before[i].y() += 0.1 * (sheets.nodes.before[i].x() + 0.53);
     }
     sheets.nodes.now = sheets.nodes.before;
     EXPECT_GT(sheets.crossings(), 0U);
