@@ -33,9 +33,12 @@ class PairQueue {
     void restore(std::vector<Entry> entries, std::uint64_t pushed);
 
   private:
-    static bool comesLater(const Entry& a, const Entry& b) {
-        return a.margin != b.margin ? a.margin < b.margin : a.number > b.number;
-    }
+    /// A type, so that heaps inline it.
+    struct ComesLater {
+        bool operator()(const Entry& a, const Entry& b) const {
+            return a.margin != b.margin ? a.margin < b.margin : a.number > b.number;
+        }
+    };
 
     std::vector<Entry> m_heap;
     std::uint64_t m_pushed = 0;
