@@ -25,8 +25,8 @@ struct MissEstimate {
     std::uint64_t open = 0;  ///< of the sample: not finished when the budget ended; each counts as a hit in the bound
     /// Contact cells without a reported contact: unbiased estimate, NaN if nothing was sampled of something.
     double missed = std::numeric_limits<double>::quiet_NaN();
-    /// ... and a bound that holds in 95 % of all draws, whatever the surfaces do, and is 0 only if nothing is left to be
-    /// sampled; infinite if the candidates are not known because the budget ended before.
+    /// ... and a bound that holds in 95 % of all draws, whatever the surfaces do, and is 0 only if nothing is left to
+    /// be sampled; infinite if the candidates are not known because the budget ended before.
     double missedBound = std::numeric_limits<double>::infinity();
     /// Of the dives of this step: probability that another one finds a contact that none of them has found (Good and
     /// Turing's f1 / n), and a bound, f1 / n + (2 sqrt(f1 + 1) + 1) / n. It says nothing of contacts that a dive has no

@@ -43,7 +43,13 @@ void PatchWalk::addNeighbours(const MeshModel& model, std::uint32_t leaf) {
 }
 
 bool PatchWalk::run(Purse& purse, LocalContactSearch& search) {
+    const auto payLooks = [&] {
+        const std::uint64_t units = std::min(m_looks / looksPerUnit, purse.left().work);
+        purse.pay(units);
+        m_looks -= units * looksPerUnit;
+    };
     while (m_next < m_open.size()) {
+        payLooks();
         if (purse.isEmpty()) {
             return false;
         }
@@ -54,8 +60,7 @@ bool PatchWalk::run(Purse& purse, LocalContactSearch& search) {
         std::uint32_t near = 0;
         const std::size_t done = search.addFew(some, purse.left().work, near);
         m_looks += done;
-        purse.pay(search.work() - before + m_looks / looksPerUnit);
-        m_looks %= looksPerUnit;
+        purse.pay(search.work() - before);
         for (std::size_t i = 0; i < done; ++i, ++m_next) {
             if ((near >> i & 1U) != 0) {
                 spreadFrom(m_open[m_next]);
@@ -65,6 +70,7 @@ bool PatchWalk::run(Purse& purse, LocalContactSearch& search) {
             return false;
         }
     }
+    payLooks();
     return true;
 }
 

@@ -68,11 +68,11 @@ struct TrackerScratch {
     PairBatch batch;
     Front front;
     KeptFront keptFront;
-    KeyMap contacts;     ///< by key, to the index in the result
-    KeyMap nearPairs;    ///< likewise, of those that are followed
-    KeyMap tried;        ///< pairs of cells of the spacing's size that have a contact or were looked into
-    KeyMap reported;     ///< pairs of cells of the front that have a contact listed
-    KeyMap found;        ///< by key: by how many dives
+    KeyMap contacts;   ///< by key, to the index in the result
+    KeyMap nearPairs;  ///< likewise, of those that are followed
+    KeyMap tried;      ///< pairs of cells of the spacing's size that have a contact or were looked into
+    KeyMap reported;   ///< pairs of cells of the front that have a contact listed
+    KeyMap found;      ///< by key: by how many dives
     std::vector<TrackedPair> kept;
     std::vector<NearPair> near;
     std::vector<Candidate> candidates;

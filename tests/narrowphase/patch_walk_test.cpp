@@ -28,7 +28,11 @@ struct PatchWalkTest : testing::Test {
         LeafPairs found;
         Query(a.tree, b.tree).leafPairs(pose, {settings.maxDistance, Order::depthFirst}, {}, found);
         search.start(a, b, pose, settings);
-        std::erase_if(found.pairs, [&](const LeafPair& pair) { return !search.isNear(pair); });
+        std::erase_if(found.pairs, [&](const LeafPair& pair) {
+            std::uint32_t near = 0;
+            search.addFew({&pair, 1}, unlimited, near);
+            return near == 0;
+        });
         std::sort(found.pairs.begin(), found.pairs.end());
         return found.pairs;
     }
