@@ -1,6 +1,7 @@
 #include <grapeshot/plugin/swept_world.hpp>
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseInterface.h>
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include <grapeshot/plugin/detail/convert.hpp>

@@ -213,22 +213,5 @@ TEST(ShotsOfParts, LinksDoNotGoThrough) {
     }
 }
 
-TEST(ShotsOfParts, ALinkSwungByItsJointIsMetInTime) {
-    // The base stands; the link's speed is its joint's alone.
-    const Bullets bullets;
-    const MeshShape wall(wallMesh(false), Kind::bvh, shotMargin);
-    for (const btScalar rate : {20.0_s, 100.0_s, 200.0_s}) {
-        const Flight flight{{-0.5_s, 0, 0}, btQuaternion({0, 0, 1}, SIMD_HALF_PI), {0, 0, 0}, {0, 0, 0}};
-        FlyingRobot robot(*bullets.plate, *wall, flight, true);
-        robot.body.setJointVel(0, -rate);
-        bool beyond = false;
-        for (int i = 0; i < 30; ++i) {
-            robot.world.stepSimulation(shotStep, 0);
-            beyond = beyond || robot.colliders[1]->getWorldTransform().getOrigin().x() > btScalar(halfWall);
-        }
-        EXPECT_FALSE(beyond) << rate;
-    }
-}
-
 }  // namespace
 }  // namespace grapeshot::test
