@@ -88,7 +88,7 @@ TEST(NeighbourList, SearchesWhatHasMovedAndNothingElse) {
     list.find(now, now, now, usual, found);
     EXPECT_EQ(found.searched, 0U);
     EXPECT_EQ(found.pairs, pairs);
-    EXPECT_LT(10 * found.work, whole);
+    EXPECT_LT(5 * found.work, whole);
     // It trembles within its reach.
     Positions shaken = now;
     for (std::size_t i = 0; i < shaken.size(); ++i) {
