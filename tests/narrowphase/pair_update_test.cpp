@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <set>
 
+#include "narrowphase/pair_states.hpp"
 #include "scenes/shapes.hpp"
 #include "support/poses.hpp"
 #include "support/test_size.hpp"
@@ -43,13 +43,6 @@ std::vector<std::uint32_t> idsOf(const PairState& state) {
         }
     }
     return ids;
-}
-
-bool sameContacts(const PairState& left, const PairState& right) {
-    const ContactSet& l = left.contacts;
-    const ContactSet& r = right.contacts;
-    return l.nextId == r.nextId && l.droppedRegions == r.droppedRegions && l.slots.size() == r.slots.size() &&
-           (l.slots.empty() || std::memcmp(l.slots.data(), r.slots.data(), l.slots.size() * sizeof(RegionSlot)) == 0);
 }
 
 /// The contacts of a face are one region, though its corners are far apart.
@@ -114,7 +107,7 @@ TEST(PairUpdate, KeptCandidatesGiveTheSameBytesAsAFreshTraversal) {
             const Pose pose = onPath(static_cast<float>(i), pair.height);
             const PairResult one = update(pair.a, pair.b, pose, fresh, {}, freshState);
             const PairResult other = update(pair.a, pair.b, pose, kept, {}, keptState);
-            ASSERT_TRUE(sameContacts(freshState, keptState)) << "step " << i;
+            ASSERT_TRUE(test::sameContacts(freshState, keptState)) << "step " << i;
             EXPECT_EQ(one.rawContacts, other.rawContacts);
             EXPECT_EQ(one.collides, other.collides);
             EXPECT_TRUE(one.traversed);
@@ -148,8 +141,8 @@ TEST(PairUpdate, SameBytesTwiceAndFromACopy) {
             update(pair.a, pair.b, onPath(static_cast<float>(i), pair.height), settings, {}, copy);
         }
         EXPECT_FALSE(pointsOf(first).empty());
-        EXPECT_TRUE(sameContacts(first, second));
-        EXPECT_TRUE(sameContacts(first, copy));
+        EXPECT_TRUE(test::sameContacts(first, second));
+        EXPECT_TRUE(test::sameContacts(first, copy));
         EXPECT_EQ(first.candidates, copy.candidates);
         EXPECT_EQ(first.step, copy.step);
     }
@@ -172,7 +165,7 @@ TEST(PairUpdate, MoreBudgetIsNeverWorseAndEnoughIsTheSameAsUnlimited) {
                 EXPECT_GE(result.candidates, before) << "tested at " << work;
                 before = result.candidates;
                 if (result.certain) {
-                    EXPECT_TRUE(sameContacts(state, whole));
+                    EXPECT_TRUE(test::sameContacts(state, whole));
                     EXPECT_EQ(state.candidates, whole.candidates);
                     EXPECT_EQ(result.collides, all.collides);
                 } else {
@@ -262,16 +255,11 @@ TEST(PairUpdate, ACopyOfWhatWasCutShortGoesOnTheSame) {
                 copy = state;
             } else if (i > 3) {
                 update(pair.a, pair.b, pose, {}, {.work = 12}, copy);
-                ASSERT_TRUE(sameContacts(state, copy)) << i;
+                ASSERT_TRUE(test::sameContacts(state, copy)) << i;
                 EXPECT_EQ(state.candidates, copy.candidates);
             }
         }
     }
-}
-
-std::chrono::nanoseconds injectedTime{0};
-std::chrono::nanoseconds tick() noexcept {
-    return injectedTime += std::chrono::microseconds(1);
 }
 
 TEST(PairUpdate, TimeIsASecondStopByTheGivenClock) {
@@ -284,11 +272,11 @@ TEST(PairUpdate, TimeIsASecondStopByTheGivenClock) {
         PairState state;
         Budget budget;
         budget.time = std::chrono::microseconds(us);
-        budget.clock = tick;
+        budget.clock = test::tick;
         const PairResult result = update(pair.a, pair.b, pose, {}, budget, state);
         (result.certain ? finished : stopped) = true;
         if (result.certain) {
-            EXPECT_TRUE(sameContacts(state, whole));
+            EXPECT_TRUE(test::sameContacts(state, whole));
         }
     }
     EXPECT_TRUE(stopped);

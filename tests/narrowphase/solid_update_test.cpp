@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include <grapeshot/narrowphase/pair_bytes.hpp>
 #include <grapeshot/narrowphase/schedule.hpp>
+#include <narrowphase/pair_states.hpp>
 #include <scenes/shapes.hpp>
 #include <support/poses.hpp>
 #include <support/test_size.hpp>
@@ -99,13 +99,6 @@ Pose somePose(const MeshModel& mesh, const SolidKind& solid, test::Random& rando
     return pose;
 }
 
-bool sameContacts(const PairState& left, const PairState& right) {
-    const ContactSet& l = left.contacts;
-    const ContactSet& r = right.contacts;
-    return l.nextId == r.nextId && l.droppedRegions == r.droppedRegions && l.slots.size() == r.slots.size() &&
-           (l.slots.empty() || std::memcmp(l.slots.data(), r.slots.data(), l.slots.size() * sizeof(RegionSlot)) == 0);
-}
-
 float deepestOf(const PairState& state) {
     float deepest = 1;
     for (const RegionSlot& slot : state.contacts.slots) {
@@ -149,7 +142,7 @@ TEST(SolidUpdate, MoreBudgetIsNeverWorseAndEnoughIsTheSameAsUnlimited) {
             before = result.candidates;
             done = result.certain;
             if (result.certain) {
-                EXPECT_TRUE(sameContacts(state, whole)) << "at " << work;
+                EXPECT_TRUE(test::sameContacts(state, whole)) << "at " << work;
                 EXPECT_EQ(result.collides, all.collides);
                 EXPECT_EQ(result.stop, StopReason::certain);
             } else {
@@ -264,7 +257,7 @@ TEST(SolidUpdate, ACopyAndSavedBytesGoOnTheSame) {
                     searching = searching || !state.openChildren.empty();
                     updateSolid(body.model, *solid, pose, {}, {.work = work}, state);
                     updateSolid(body.model, *solid, pose, {}, {.work = work}, loaded);
-                    ASSERT_TRUE(sameContacts(state, loaded)) << i;
+                    ASSERT_TRUE(test::sameContacts(state, loaded)) << i;
                     EXPECT_EQ(state.candidates, loaded.candidates);
                     EXPECT_EQ(state.openChildren, loaded.openChildren);
                 }
@@ -272,11 +265,6 @@ TEST(SolidUpdate, ACopyAndSavedBytesGoOnTheSame) {
         }
     }
     EXPECT_TRUE(searching);
-}
-
-std::chrono::nanoseconds injectedTime{0};
-std::chrono::nanoseconds tick() noexcept {
-    return injectedTime += std::chrono::microseconds(1);
 }
 
 TEST(SolidUpdate, TimeIsASecondStopByTheGivenClock) {
@@ -290,10 +278,10 @@ TEST(SolidUpdate, TimeIsASecondStopByTheGivenClock) {
     for (const int us : {0, 5, 100, 100000}) {
         PairState state;
         const PairResult result =
-            updateSolid(ball, plane, pose, {}, {.time = std::chrono::microseconds(us), .clock = tick}, state);
+            updateSolid(ball, plane, pose, {}, {.time = std::chrono::microseconds(us), .clock = test::tick}, state);
         (result.certain ? finished : stopped) = true;
         if (result.certain) {
-            EXPECT_TRUE(sameContacts(state, whole));
+            EXPECT_TRUE(test::sameContacts(state, whole));
         }
     }
     EXPECT_TRUE(stopped);
