@@ -33,6 +33,19 @@ bool isUsable(const PairSettings& settings) {
            std::isfinite(settings.set.regions.normalCone) && isLength(settings.local.lean);
 }
 
+/// Half a cut tells the wrong direction, along which bodies are deep in each other: such a contact pushes no more than
+/// what parts the deepest two triangles.
+void restrain(std::span<const TriangleContact> overlapping, std::span<SurfaceContact> deep) {
+    float least = 0;
+    for (const TriangleContact& pair : overlapping) {
+        least = std::min(least, pair.signedDistance);
+    }
+    for (SurfaceContact& contact : deep) {
+        contact.signedDistance = std::max(contact.signedDistance, least);
+        contact.onA = contact.onB + contact.normal * contact.signedDistance;
+    }
+}
+
 /// Local extrema and the cuts that they do not explain, in s.found. Returns how many are local.
 std::size_t finishSearch(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
                          bool complete, Scratch& s) {
@@ -42,8 +55,11 @@ std::size_t finishSearch(const MeshModel& a, const MeshModel& b, const Pose& bIn
     if (!s.search.local.overlapping().empty()) {
         s.deep.clear();
         const float spacing = settings.set.regions.spacing;
-        penetrationContacts(a, b, bInA, s.search.local.overlapping(), s.found,
-                            {spacing, spacing, maxPointsPerRegion, complete}, s.deep);
+        penetrationContacts(a, b, bInA, s.search.local.overlapping(), s.found, {spacing, spacing, maxPointsPerRegion},
+                            s.deep);
+        if (!complete) {
+            restrain(s.search.local.overlapping(), s.deep);
+        }
         s.found.insert(s.found.end(), s.deep.begin(), s.deep.end());
     }
     return localCount;

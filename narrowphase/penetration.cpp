@@ -1,7 +1,6 @@
 #include <grapeshot/narrowphase/penetration.hpp>
 
 #include <algorithm>
-#include <iterator>
 
 #include <grapeshot/narrowphase/detail/cut_depth.hpp>
 #include <grapeshot/narrowphase/detail/surface_cut.hpp>
@@ -32,20 +31,17 @@ bool isExplained(const detail::SurfaceCut& cut, std::span<const detail::CutPiece
     return false;
 }
 
-const detail::CutPiece& deepestOf(std::span<const detail::CutPiece> pieces) {
-    return *std::max_element(pieces.begin(), pieces.end(),
-                             [](const auto& left, const auto& right) { return left.overlap < right.overlap; });
-}
-
-/// At a piece of the curve, to part its triangles by so much.
-SurfaceContact parting(const detail::SurfaceCut& cut, const detail::CutPiece& piece, float overlap) {
+/// Two triangles that cross each other have to be parted by that much at least.
+SurfaceContact deepestOverlap(const detail::SurfaceCut& cut, std::span<const detail::CutPiece> pieces) {
+    const auto deepest = std::max_element(
+        pieces.begin(), pieces.end(), [](const auto& left, const auto& right) { return left.overlap < right.overlap; });
     SurfaceContact contact;
     contact.normal = cut.normal.cast<float>().normalized();
-    contact.onA = piece.middle - contact.normal * (0.5F * overlap);
-    contact.onB = piece.middle + contact.normal * (0.5F * overlap);
-    contact.signedDistance = -overlap;
-    contact.triangleA = piece.pair.triangleA;
-    contact.triangleB = piece.pair.triangleB;
+    contact.onA = deepest->middle - contact.normal * (0.5F * deepest->overlap);
+    contact.onB = deepest->middle + contact.normal * (0.5F * deepest->overlap);
+    contact.signedDistance = -deepest->overlap;
+    contact.triangleA = deepest->pair.triangleA;
+    contact.triangleB = deepest->pair.triangleB;
     return contact;
 }
 
@@ -100,23 +96,13 @@ void penetrationContacts(const MeshModel& a, const MeshModel& b, const Pose& bIn
             continue;
         }
         columns.clear();
-        // Two triangles that cross each other have to be parted by that much at least.
-        const detail::CutPiece& deepest = deepestOf(pieces);
-        if (!settings.whole) {
-            if (deepest.overlap > 0) {
-                columns.push_back(parting(cut, deepest, deepest.overlap));
-                std::ranges::transform(pieces, std::back_inserter(columns), [&](const detail::CutPiece& piece) {
-                    return parting(cut, piece, deepest.overlap);
-                });
-            }
-        } else {
-            detail::measureColumns(a, b, bInA, cut, pieces, 0.5F * settings.spacing, columns);
-            const bool deeper = std::all_of(columns.begin(), columns.end(), [&](const SurfaceContact& column) {
-                return -deepest.overlap < column.signedDistance;
-            });
-            if (deeper && deepest.overlap > 0) {
-                columns.push_back(parting(cut, deepest, deepest.overlap));
-            }
+        detail::measureColumns(a, b, bInA, cut, pieces, 0.5F * settings.spacing, columns);
+        const SurfaceContact overlap = deepestOverlap(cut, pieces);
+        const bool deeper = std::all_of(columns.begin(), columns.end(), [&](const SurfaceContact& column) {
+            return overlap.signedDistance < column.signedDistance;
+        });
+        if (deeper && overlap.signedDistance < 0) {
+            columns.push_back(overlap);
         }
         if (!columns.empty()) {
             choose(columns, settings, out);

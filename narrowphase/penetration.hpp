@@ -19,9 +19,6 @@ struct PenetrationSettings {
     float explainedWithin = 0.1F;
     /// Most contacts per cut, 1..4.
     int maxContacts = 4;
-    /// Are the pairs all that overlap? Half a cut tells the wrong direction, along which bodies are deep in each other:
-    /// then nothing is measured, and each of its contacts pushes no more than what parts its deepest two triangles.
-    bool whole = true;
 };
 
 /// The overlapping ones of `pairs` are grouped into cuts. The direction of a cut is the area vector of the surface
