@@ -153,7 +153,7 @@ HWY_INLINE bool liesBeside(float gap, float tallest, const Touch& touch, const L
            (gap > touch.sine * pose.reach || gap * touch.cosine > touch.sine * (tallest + pose.rounding));
 }
 
-/// Is the pair parted by one of the two cones, or by more than the reach along one of the directions?
+/// Is the pair parted by one of the two cones?
 HWY_INLINE bool isParted(const float (*cornerA)[3][4], const float (*cornerB)[3][4], const Touch& touchA,
                          const Touch& touchB, const Directions& inA, const Directions& inB, const LeafPose& pose) {
     const Extents16 ofA = extentsOf(cornerA, inA);
@@ -164,9 +164,6 @@ HWY_INLINE bool isParted(const float (*cornerA)[3][4], const float (*cornerB)[3]
     const Float16 up = ofB.high + shift - ofA.low;    // from A's low end to B's high one
     const Float16 down = ofA.high - ofB.low - shift;  // from B's low end to A's high one
     const float rounding = 2 * pose.rounding;
-    if (any(min(up, down) < wide(-1.00001F * (pose.reach + rounding)))) {
-        return true;
-    }
     alignas(64) float above[16];
     alignas(64) float below[16];
     store(up, above);
@@ -227,10 +224,6 @@ void leafKernel(const LeafSource& sourceA, const LeafSource& sourceB, const Leaf
         (sineOfBoth <= zero) | (sine <= zero) | (a.cosine <= every) | (b.cosine <= every) | (facing >= cosine);
     out.touching = bits(faces) & out.within & ~(a.plain & b.plain);
 
-    // Across a gap the line between the two is within both cones of lines, so these face each other too.
-    const Float16 lineCosine = a.touchCosine * b.touchCosine - a.touchSine * b.touchSine - wide(1e-5F);
-    const Mask16 linesFace = (a.touchCosine <= zero) | (b.touchCosine <= zero) | (facing >= lineCosine);
-    out.touching &= bits(linesFace) | out.overlapping;
     const std::uint32_t apart = out.touching & ~out.overlapping;
     if (apart == 0U) {
         return;

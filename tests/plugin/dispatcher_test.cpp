@@ -260,6 +260,7 @@ TEST(Dispatcher, GhostsAndControllersShareTheFrame) {
     const auto nothing = [](std::uint64_t, const StepStatistics&, int) {};
     EXPECT_EQ(runGhosts<BudgetWorld>({}, nothing), runGhosts<TestWorld>({}, nothing));
     for (const std::uint64_t work : {0U, 800U, 3000U}) {
+        SCOPED_TRACE(work);
         Settings settings;
         settings.frameBudget.work = work;
         int several = 0;
