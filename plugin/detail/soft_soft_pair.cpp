@@ -229,18 +229,19 @@ SoftPairResult SoftSoftPair::process(btSoftBody& a, btSoftBody& b, const SoftSof
 }
 
 int SoftSoftPair::write(btSoftBody& a, btSoftBody& b, const SoftSoftTask& task) {
-    if (m_contacts.empty() || !(a.isActive() || b.isActive())) {
-        return 0;
-    }
-    const bool velocities = task.world == SoftWorld::velocities;
     for (btSoftBody* body : {&a, &b}) {
         if (!body->isActive()) {
             // Whose solver sleeps has not cleared its contacts.
             body->m_scontacts.resizeNoInitialize(0);
             body->m_faceNodeContacts.resizeNoInitialize(0);
         }
-        body->activate();
     }
+    if (m_contacts.empty() || !(a.isActive() || b.isActive())) {
+        return 0;
+    }
+    const bool velocities = task.world == SoftWorld::velocities;
+    a.activate();
+    b.activate();
     const MovableBodies movable{&a, &b, m_a.surface->thread, m_b.surface->thread};
     const auto hardness = static_cast<double>(btMin(a.m_cfg.kSHR, b.m_cfg.kSHR));
     bringBack({movable, static_cast<double>(task.distance), 0.5 * hardness, btMatrix3x3::getIdentity()}, a, &b,

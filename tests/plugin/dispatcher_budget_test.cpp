@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -106,8 +107,8 @@ TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
     const Judge judge(pile);
     const std::uint64_t whole = workUnbudgeted(pile);
     ASSERT_GT(whole, 400U);
-    // How deep the worst moment of a single one is is chance: over 24 of them 0.03 m on the average, with a spread of
-    // 0.04.
+    // How deep the worst moment of a single one is is chance: of 36 of them more than half stay within 0.01 m and a third
+    // reaches 0.05 to 0.14. On the average 0.011 to 0.038 m (both shares, both precisions), with a spread of 0.05.
     constexpr int piles = 9;
     for (const std::uint64_t part : {4U, 20U}) {
         std::vector<double> worst;
@@ -143,8 +144,7 @@ TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
             EXPECT_LT(deepest, 0.2) << "1/" << part << ", pile " << k;  // half of a body's radius
             worst.push_back(deepest);
         }
-        std::ranges::sort(worst);
-        EXPECT_LT(worst[piles / 2], 0.05) << "1/" << part;
+        EXPECT_LT(std::accumulate(worst.begin(), worst.end(), 0.0) / piles, 0.08) << "1/" << part;
     }
 }
 
