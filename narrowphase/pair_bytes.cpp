@@ -143,11 +143,6 @@ void save(const PairState& state, ByteWriter& out) {
     out.put(static_cast<std::uint64_t>(state.nextCandidate));
     save(state.searchPose, out);
     out.put(state.searchDistance);
-    out.put(state.searchReach);
-    for (const Box* box : {&state.nearA, &state.nearB}) {
-        out.put(box->lower);
-        out.put(box->upper);
-    }
     out.put(static_cast<std::uint8_t>(state.searchHolds));
     out.put(static_cast<std::uint8_t>(state.cutShort));
     out.put(state.step);
@@ -198,12 +193,6 @@ PairState loadPairState(ByteReader& in, const LoadedModels& models) {
     state.nextCandidate = static_cast<std::size_t>(next);
     state.searchPose = loadPose(in);
     state.searchDistance = in.get<float>();
-    state.searchReach = in.get<float>();
-    for (Box* box : {&state.nearA, &state.nearB}) {
-        box->lower = in.vector();
-        box->upper = in.vector();
-        in.require(!box->lower.hasNaN() && !box->upper.hasNaN(), "a box that is no number");
-    }
     state.searchHolds = in.flag();
     state.cutShort = in.flag();
     state.step = in.get<std::uint64_t>();

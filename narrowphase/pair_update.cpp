@@ -81,24 +81,6 @@ void findContacts(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
                       });
 }
 
-/// Is what was found at the last search off by no more than reuseMotion, and nothing else nearer than maxDistance less
-/// that? What was not within searchReach then may have come nearer by the difference too.
-bool stillHolds(const MeshModel& a, const MeshModel& b, const Pose& bInA, const PairSettings& settings,
-                const PairState& state) {
-    const float most = settings.reuseMotion;
-    if (!(most > 0) || settings.maxDistance > state.searchDistance) {
-        return false;
-    }
-    if (movedAtMost(most, a, b, state.searchPose, bInA, settings)) {
-        return true;
-    }
-    const float farther = most + state.searchReach - state.searchDistance;
-    return farther > most &&
-           grapeshot::movedAtMost(most, a.tree, b.tree, state.nearA, state.nearB, state.searchPose, bInA,
-                                  settings.maxDistance) &&
-           movedAtMost(farther, a, b, state.searchPose, bInA, settings);
-}
-
 bool byFeatures(const MeshModel& a, const MeshModel& b, const PairSettings& settings) {
     return settings.method == Method::scf && a.features && b.features;
 }
@@ -140,7 +122,8 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
         staying.mergeDistance *= detail::slidingEvidence;
     }
     const bool allStayed = refresh(state.contacts, bInA, staying);
-    if (state.searchHolds && allStayed && stillHolds(a, b, bInA, settings, state)) {
+    if (state.searchHolds && allStayed && settings.reuseMotion > 0 && settings.maxDistance <= state.searchDistance &&
+        movedAtMost(settings.reuseMotion, a, b, state.searchPose, bInA, settings)) {
         result.method = byFeatures(a, b, settings) ? Method::scf : Method::adb;
         result.collides = detail::penetrates(state.contacts);
         result.refreshed = result.certain = true;
@@ -152,7 +135,6 @@ PairResult update(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     ofSearch.work -= budget.work != unlimited ? reserve : 0;
     Purse purse(ofSearch);
     state.searchHolds = false;  // should something be thrown
-    state.searchReach = -1;
     const bool complete = detail::searchPairs(a, b, bInA, settings, purse, state, result, s.search);
     findContacts(a, b, bInA, settings, complete, result, s);
     if (!complete && reserve > 0) {

@@ -12,7 +12,6 @@
 #include <grapeshot/narrowphase/local_contacts.hpp>
 #include <grapeshot/narrowphase/mesh_model.hpp>
 #include <grapeshot/narrowphase/method.hpp>
-#include <grapeshot/narrowphase/relative_motion.hpp>
 #include <grapeshot/scf/tracker.hpp>
 
 namespace grapeshot {
@@ -39,10 +38,9 @@ struct PairSettings {
     float slack = 0.02F;
     /// While the bodies have moved against each other by less than this since the contacts were last searched for (and
     /// that search was complete and no surfaces cut each other), the kept ones are only refreshed, m. 0: search every
-    /// step. Where the surfaces were not within maxDistance + reuseMotion of each other they may move by twice as much,
-    /// so bodies that roll and rock are searched less often. What comes within maxDistance meanwhile is found late, but
-    /// never later than at maxDistance - reuseMotion, and a depth can be off by no more than that motion. Choose it
-    /// smaller than the distance by which maxDistance exceeds touching.
+    /// step. What comes within maxDistance meanwhile is found late, but never later than at maxDistance - reuseMotion,
+    /// and a depth can be off by no more than that motion. Choose it smaller than the distance by which maxDistance
+    /// exceeds touching.
     float reuseMotion = 0;
     Interior interior = Interior::solid;
     LocalContactSettings local;
@@ -75,8 +73,6 @@ struct PairState {
     std::size_t nextCandidate = 0;    ///< where the tests go on if a budget ended them
     Pose searchPose;                  ///< of the last search
     float searchDistance = 0;         ///< its maxDistance, m
-    float searchReach = -1;           ///< how far it looked for surfaces near each other, m; negative: not known
-    Box nearA, nearB;                 ///< what was within searchReach, of either mesh in its frame
     /// It was complete, and its contacts may be refreshed. Set to false if a model's vertices moved, or if other
     /// settings than maxDistance are to take effect at once.
     bool searchHolds = false;

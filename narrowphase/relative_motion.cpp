@@ -38,17 +38,13 @@ double boundOfAll(const ExactPose& before, const ExactPose& now, double radiusOf
     return turn * radiusOfB + (now.translation - before.translation).norm();
 }
 
-/// Of B's points in `inB` that are within reach of the box `inA` now.
-double boundOfNear(const Box& inA, const Box& inB, const ExactPose& before, const ExactPose& now, double reach) {
-    if ((inA.lower.array() > inA.upper.array()).any() || (inB.lower.array() > inB.upper.array()).any()) {
-        return 0;
-    }
-    const Vector3d lowerB = inB.lower.cast<double>();
-    const Vector3d upperB = inB.upper.cast<double>();
+double boundOfNear(const Tree& a, const Tree& b, const ExactPose& before, const ExactPose& now, double reach) {
+    const Vector3d lowerB = b.lower.cast<double>();
+    const Vector3d upperB = b.upper.cast<double>();
     const Vector3d centre = now.rotation * (lowerB + upperB) / 2 + now.translation;
     const Vector3d extent = now.rotation.cwiseAbs() * (upperB - lowerB) / 2;
-    const Vector3d lower = (inA.lower.cast<double>().array() - reach).max((centre - extent).array());
-    const Vector3d upper = (inA.upper.cast<double>().array() + reach).min((centre + extent).array());
+    const Vector3d lower = (a.lower.cast<double>().array() - reach).max((centre - extent).array());
+    const Vector3d upper = (a.upper.cast<double>().array() + reach).min((centre + extent).array());
     if ((lower.array() > upper.array()).any()) {
         return 0;
     }
@@ -73,7 +69,7 @@ float motionBound(const Pose& before, const Pose& now, float radiusOfB) {
 }
 
 float nearMotionBound(const Tree& a, const Tree& b, const Pose& before, const Pose& now, float reach) {
-    return roundedUp(boundOfNear(boxOf(a), boxOf(b), exact(before), exact(now), static_cast<double>(reach)));
+    return roundedUp(boundOfNear(a, b, exact(before), exact(now), static_cast<double>(reach)));
 }
 
 float boxMotionBound(const Tree& a, const Pose& before, const Pose& now) {
@@ -94,11 +90,6 @@ float boxMotionBound(const Tree& a, const Pose& before, const Pose& now) {
 }
 
 bool movedAtMost(float limit, const Tree& a, const Tree& b, const Pose& before, const Pose& now, float reach) {
-    return movedAtMost(limit, a, b, boxOf(a), boxOf(b), before, now, reach);
-}
-
-bool movedAtMost(float limit, const Tree& a, const Tree& b, const Box& inA, const Box& inB, const Pose& before,
-                 const Pose& now, float reach) {
     // The vertices, and where the poses put them, are rounded.
     const double rounding = 4e-6 * static_cast<double>(a.radius + b.radius);
     const double most = static_cast<double>(limit) - rounding;
@@ -112,9 +103,9 @@ bool movedAtMost(float limit, const Tree& a, const Tree& b, const Box& inA, cons
     const ExactPose secondOfA = inverse(second);
     // Distances in B's frame are those in A's but for the stretch of a rotation that is not quite one.
     const double stretch = 1 + (second.rotation.transpose() * second.rotation - Matrix3d::Identity()).norm();
-    return boundOfNear(inA, inB, first, second, within) <= most ||
+    return boundOfNear(a, b, first, second, within) <= most ||
            stretch * boundOfAll(firstOfA, secondOfA, static_cast<double>(a.radius)) <= most ||
-           stretch * boundOfNear(inB, inA, firstOfA, secondOfA, stretch * within) <= most;
+           stretch * boundOfNear(b, a, firstOfA, secondOfA, stretch * within) <= most;
 }
 
 }  // namespace grapeshot

@@ -1,8 +1,6 @@
 // By how much two bodies have moved against each other: what decides whether something known of them still holds.
 #pragma once
 
-#include <limits>
-
 #include <Eigen/Core>
 
 #include <grapeshot/adb/tree.hpp>
@@ -18,15 +16,6 @@ namespace grapeshot {
 /// body that rolls hardly moves where it touches. 0 if there are none. Rigorous.
 [[nodiscard]] float nearMotionBound(const Tree& a, const Tree& b, const Pose& before, const Pose& now, float reach);
 
-/// Along the axes of a mesh's frame, m; holds nothing by default.
-struct Box {
-    Eigen::Vector3f lower = Eigen::Vector3f::Constant(std::numeric_limits<float>::infinity());
-    Eigen::Vector3f upper = Eigen::Vector3f::Constant(-std::numeric_limits<float>::infinity());
-};
-[[nodiscard]] inline Box boxOf(const Tree& tree) {
-    return {tree.lower, tree.upper};
-}
-
 /// How far any point of A's box can have moved against B between two relative poses, m: for a B without end. Rigorous.
 [[nodiscard]] float boxMotionBound(const Tree& a, const Pose& before, const Pose& now);
 
@@ -35,8 +24,5 @@ struct Box {
 /// cheap ones first.
 [[nodiscard]] bool movedAtMost(float limit, const Tree& a, const Tree& b, const Pose& before, const Pose& now,
                                float reach);
-/// The same of those points alone that lie in the boxes `inA` and `inB`.
-[[nodiscard]] bool movedAtMost(float limit, const Tree& a, const Tree& b, const Box& inA, const Box& inB,
-                               const Pose& before, const Pose& now, float reach);
 
 }  // namespace grapeshot

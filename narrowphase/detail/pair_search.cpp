@@ -197,38 +197,6 @@ bool searchWithin(const MeshModel& a, const MeshModel& b, const Pose& bInA, cons
     return complete;
 }
 
-/// Four lanes, of which the last is of no use: quicker than three.
-class GrowingBox {
-  public:
-    explicit GrowingBox(const Box& box) {
-        m_lower << box.lower.array(), 0.0F;
-        m_upper << box.upper.array(), 0.0F;
-    }
-    void extend(const LeafShape& leaf) {
-        const auto* const numbers = reinterpret_cast<const float*>(&leaf);  // as LeafShape allows
-        const Eigen::Array4f center = Eigen::Map<const Eigen::Array4f>(numbers);
-        const Eigen::Array4f half = Eigen::Map<const Eigen::Array4f>(numbers + 3);
-        m_lower = m_lower.min(center - half);
-        m_upper = m_upper.max(center + half);
-    }
-    [[nodiscard]] Box box() const { return {m_lower.head<3>(), m_upper.head<3>()}; }
-
-  private:
-    Eigen::Array4f m_lower, m_upper;
-};
-
-void rememberNear(const MeshModel& a, const MeshModel& b, const NearLeaves& near, float reach, PairState& state) {
-    state.searchReach = reach;
-    GrowingBox nearA({near.lower[0], near.upper[0]});
-    GrowingBox nearB({near.lower[1], near.upper[1]});
-    for (const LeafPair& pair : near.pairs) {
-        nearA.extend(a.leafShapes[pair.leafA]);
-        nearB.extend(b.leafShapes[pair.leafB]);
-    }
-    state.nearA = nearA.box();
-    state.nearB = nearB.box();
-}
-
 }  // namespace
 
 bool testCandidates(Purse& purse, PairState& state, PairSearch& s) {
@@ -258,17 +226,13 @@ bool searchPairs(const MeshModel& a, const MeshModel& b, const Pose& bInA, const
     result.traversed = true;
     forgetCandidates(state);
     state.candidatePose = bInA;
-    const float farther = reach + settings.reuseMotion;
-    const bool found = s.nearLeaves.find(a.tree, b.tree, bInA, reach, farther, s.near);
-    purse.pay(s.near.work);
-    const bool complete = found && testPairs(s.near.pairs, purse, s.local);
-    if (found && slack > 0) {
-        state.candidates.assign(s.near.pairs.begin(), s.near.pairs.end());
+    Query(a.tree, b.tree).leafPairs(bInA, {reach, Order::depthFirst}, purse.left(), s.leafPairs);
+    purse.pay(s.leafPairs.work);
+    const bool complete = s.leafPairs.certain && testPairs(s.leafPairs.pairs, purse, s.local);
+    if (s.leafPairs.certain && slack > 0) {
+        state.candidates.assign(s.leafPairs.pairs.begin(), s.leafPairs.pairs.end());
         std::sort(state.candidates.begin(), state.candidates.end());
         state.candidateDistance = reach;
-    }
-    if (found && settings.reuseMotion > 0) {
-        rememberNear(a, b, s.near, farther, state);
     }
     return complete;
 }

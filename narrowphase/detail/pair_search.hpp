@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include <grapeshot/adb/near_leaves.hpp>
 #include <grapeshot/narrowphase/detail/budgeted_tests.hpp>
 #include <grapeshot/narrowphase/detail/patch_walk.hpp>
 #include <grapeshot/narrowphase/pair_update.hpp>
@@ -18,8 +17,6 @@ namespace grapeshot::detail {
 struct PairSearch {
     LocalContactSearch local;
     LeafPairs leafPairs;
-    NearLeafSearch nearLeaves;
-    NearLeaves near;
     std::vector<LeafPair> witnesses;
     std::vector<std::pair<float, LeafPair>> ranked;
     PatchWalk walk;

@@ -432,33 +432,6 @@ TEST(PairUpdate, WhatIsReusedIsNeverLateAndNeverFarOff) {
     EXPECT_GT(touching, 500);
 }
 
-/// What is far from the other body may move by more than what is near it.
-TEST(PairUpdate, ARollingBodyIsSearchedForWhereItTouches) {
-    const MeshModel floor = modelOf(scenes::box({4, 0.5F, 4}, 2));
-    const MeshModel wheel = modelOf(scenes::cup(0.5F, 0.1F, 2, 48, 12));  // its axis lies along z when it rolls
-    PairSettings settings = coarse();
-    PairState truth, state, plain;
-    PairSettings reusing = settings;
-    reusing.reuseMotion = 0.02F;
-    int searched = 0;
-    int plainlySearched = 0;
-    for (int i = 0; i < 300; ++i) {
-        const float angle = 0.003F * static_cast<float>(i);
-        const Eigen::Matrix3f lying = Eigen::AngleAxisf(1.5707963F, Vector3f::UnitX()).toRotationMatrix();
-        const Pose pose{Eigen::AngleAxisf(-angle, Vector3f::UnitZ()).toRotationMatrix() * lying,
-                        {0.5F * angle, 1.01F, 0}};
-        update(floor, wheel, pose, settings, {}, truth);
-        const PairResult result = update(floor, wheel, pose, reusing, {}, state);
-        EXPECT_TRUE(result.certain);
-        EXPECT_NEAR(deepest(state), deepest(truth), reusing.reuseMotion) << "step " << i;
-        searched += result.refreshed ? 0 : 1;
-        plainlySearched += update(floor, wheel, pose, reusing, {}, plain).refreshed ? 0 : 1;
-        plain.searchReach = -1;  // only the whole of what the boxes of the two share is known
-    }
-    EXPECT_GT(searched, 3);
-    EXPECT_LT(searched * 4, plainlySearched * 3);
-}
-
 TEST(PairUpdate, NothingIsReusedWhereSurfacesCutOrTheBudgetEnded) {
     const MeshModel ball = modelOf(scenes::bumpySphere(0.5F, 0.1F, 5, 8));
     PairSettings settings;
