@@ -5,14 +5,14 @@
 
 namespace grapeshot {
 
-using detail::PlainBox;
+using PlainBox;
 
 BoxPairs::BoxPairs(const BallTree& moving, const BallTree& still) : m_moving(&moving), m_still(&still) {
     m_boxes.reset(still);
     for (std::uint32_t leaf = 0; leaf < still.leaves.size(); ++leaf) {
         const BallLeaf& triangles = still.leaves[leaf];
-        detail::Boxes<16> boxes;
-        const PlainBox whole = detail::boxTriangles(triangles, boxes, [&](int k) {
+        Boxes<16> boxes;
+        const PlainBox whole = boxTriangles(triangles, boxes, [&](int k) {
             PlainBox box;
             for (const auto& corner : triangles.corner) {
                 box.add(still.surface.rest[corner[k]]);
@@ -43,8 +43,8 @@ std::uint64_t BoxPairs::find(std::span<const std::span<const Eigen::Vector3f>> m
             continue;
         }
         const BallLeaf& triangles = m_moving->leaves[leaf];
-        detail::Boxes<16> boxes;
-        detail::boxTriangles(triangles, boxes, [&](int k) {
+        Boxes<16> boxes;
+        boxTriangles(triangles, boxes, [&](int k) {
             PlainBox box;
             for (const auto& moment : moments) {
                 for (const auto& corner : triangles.corner) {

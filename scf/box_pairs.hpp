@@ -9,7 +9,7 @@
 
 #include <grapeshot/core/triangle_pair.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
-#include <grapeshot/scf/detail/box_tree.hpp>
+#include <grapeshot/scf/box_tree.hpp>
 
 namespace grapeshot {
 
@@ -29,8 +29,8 @@ class BoxPairs {
   private:
     const BallTree* m_moving;
     const BallTree* m_still;
-    detail::BoxTree m_boxes;  // of what stands still
-    detail::PlainBox m_whole;
+    BoxTree m_boxes;  // of what stands still
+    PlainBox m_whole;
 };
 
 }  // namespace grapeshot

@@ -15,7 +15,7 @@ namespace {
 constexpr float rounding = 1e-5F;
 
 /// Of two boxes, m^2. Nearer than by their sides alone: many that lie aslant are beside each other.
-float gapSquare(const detail::PlainBox& a, const detail::PlainBox& b) {
+float gapSquare(const PlainBox& a, const PlainBox& b) {
     return (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0).squaredNorm();
 }
 
@@ -104,9 +104,9 @@ void NeighbourList::picture(std::uint32_t leaf, float reach) {
     }
     ++m_looks[leaf];
     const BallLeaf& triangles = m_tree->leaves[leaf];
-    detail::Boxes<16> boxes;
-    const detail::PlainBox whole = detail::boxTriangles(triangles, boxes, [&](int k) {
-        detail::PlainBox box;
+    Boxes<16> boxes;
+    const PlainBox whole = boxTriangles(triangles, boxes, [&](int k) {
+        PlainBox box;
         for (const auto& corner : triangles.corner) {
             box.add(m_now[corner[k]].head<3>());
         }
@@ -127,7 +127,7 @@ std::uint64_t NeighbourList::compare(std::uint32_t leaf, std::uint32_t other, co
     const auto begin = static_cast<std::uint32_t>(found.pairs.size());
     std::uint64_t work = 1;
     for (int i = 0; i < static_cast<int>(a.count); ++i) {
-        detail::PlainBox box = m_boxes.boxes(leaf).at(i);
+        PlainBox box = m_boxes.boxes(leaf).at(i);
         box.grow(reach);
         if (!box.meets(m_boxes.whole(other))) {
             continue;
@@ -157,7 +157,7 @@ std::uint64_t NeighbourList::compare(std::uint32_t leaf, std::uint32_t other, co
 std::uint64_t NeighbourList::search(std::uint32_t leaf, const NeighbourSettings& settings) {
     m_found[leaf].groups.clear();
     m_found[leaf].pairs.clear();
-    detail::PlainBox box = m_boxes.whole(leaf);
+    PlainBox box = m_boxes.whole(leaf);
     box.grow(settings.distance + m_boxes.reach(leaf) + rounding * m_tree->extent);
     std::uint64_t work = 0;
     const std::uint64_t looks = m_boxes.visitMeeting(box, [&](std::uint32_t other) {

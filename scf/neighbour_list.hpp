@@ -19,7 +19,7 @@
 #include <grapeshot/core/error.hpp>
 #include <grapeshot/core/triangle_pair.hpp>
 #include <grapeshot/scf/ball_tree.hpp>
-#include <grapeshot/scf/detail/box_tree.hpp>
+#include <grapeshot/scf/box_tree.hpp>
 
 namespace grapeshot {
 
@@ -74,7 +74,7 @@ class NeighbourList {
     std::vector<Eigen::Vector4f> m_now;       // per vertex: where it is, and how far it strays in the step
     std::vector<Eigen::Vector3f> m_pictures;  // per entry of leafVertices
     std::vector<std::uint32_t> m_looks;       // per leaf: how often it was searched
-    detail::BoxTree m_boxes;                  // of the pictures
+    BoxTree m_boxes;                          // of the pictures
     std::vector<Found> m_found;               // per leaf
     std::vector<std::uint32_t> m_moved;       // ascending
     std::vector<char> m_isMoved;

@@ -1,6 +1,6 @@
-#include <grapeshot/scf/detail/box_tree.hpp>
+#include <grapeshot/scf/box_tree.hpp>
 
-namespace grapeshot::detail {
+namespace grapeshot {
 
 void BoxTree::reset(const BallTree& tree) {
     m_tree = &tree;
@@ -35,4 +35,4 @@ void BoxTree::refit() {
     }
 }
 
-}  // namespace grapeshot::detail
+}  // namespace grapeshot

@@ -8,8 +8,9 @@
 
 #include <grapeshot/scf/ball_tree.hpp>
 
-namespace grapeshot::detail {
+namespace grapeshot {
 
+/// Along the axes, m; holds nothing by default.
 struct PlainBox {
     Eigen::Vector3f low = Eigen::Vector3f::Constant(3e38F), high = Eigen::Vector3f::Constant(-3e38F);
     void add(const Eigen::Vector3f& p) {
@@ -29,6 +30,7 @@ struct PlainBox {
     }
 };
 
+/// n of them, coordinate by coordinate.
 template <int n>
 struct alignas(16) Boxes {
     float low[3][n], high[3][n];
@@ -73,6 +75,7 @@ PlainBox boxTriangles(const BallLeaf& leaf, Boxes<16>& boxes, const BoxOf& boxOf
     return whole;
 }
 
+/// Refers to the ball tree, which must stay where it is. `reset`, then `set` for every leaf, then `refit`.
 class BoxTree {
   public:
     void reset(const BallTree& tree);
@@ -115,4 +118,4 @@ class BoxTree {
     std::vector<std::uint32_t> m_stack;
 };
 
-}  // namespace grapeshot::detail
+}  // namespace grapeshot
