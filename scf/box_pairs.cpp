@@ -5,8 +5,6 @@
 
 namespace grapeshot {
 
-using PlainBox;
-
 BoxPairs::BoxPairs(const BallTree& moving, const BallTree& still) : m_moving(&moving), m_still(&still) {
     m_boxes.reset(still);
     for (std::uint32_t leaf = 0; leaf < still.leaves.size(); ++leaf) {

@@ -107,8 +107,9 @@ TEST(FrameBudget, APileUnderAFractionOfItsWorkLosesNobody) {
     const Judge judge(pile);
     const std::uint64_t whole = workUnbudgeted(pile);
     ASSERT_GT(whole, 400U);
-    // How deep the worst moment of a single one is is chance: of 36 of them more than half stay within 0.01 m and a third
-    // reaches 0.05 to 0.14. On the average 0.011 to 0.038 m (both shares, both precisions), with a spread of 0.05.
+    // How deep the worst moment of a single one is is chance: of 36 of them more than half stay within 0.01 m and a
+    // third reaches 0.05 to 0.14. On the average 0.011 to 0.038 m (both shares, both precisions), with a spread of
+    // 0.05.
     constexpr int piles = 9;
     for (const std::uint64_t part : {4U, 20U}) {
         std::vector<double> worst;
