@@ -371,9 +371,8 @@ bool CrossingGuard::hold(std::uint32_t node, int obstacle, bool moving, int roun
     return true;
 }
 
-bool CrossingGuard::shorten(const CoreNodes& nodes, std::span<const Obstacle> obstacles, int round, int& crossing) {
+bool CrossingGuard::shorten(const CoreNodes& nodes, std::span<const Obstacle> obstacles, int round, bool& stuck) {
     m_changed.clear();
-    crossing = 0;
     std::vector<std::uint32_t> below;
     for (const Crossing& found : m_crossings) {
         below.clear();
@@ -404,7 +403,7 @@ bool CrossingGuard::shorten(const CoreNodes& nodes, std::span<const Obstacle> ob
                 any = (obstacle >= 0 && hold(node, obstacle, true, round)) || any;
             }
         }
-        crossing += any ? 0 : 1;
+        stuck = stuck || !any;
     }
     return !m_changed.empty();
 }
@@ -418,9 +417,10 @@ GuardResult CrossingGuard::hold(CoreNodes& nodes, std::span<const Obstacle> obst
         patch.moved = true;
         refit(patch);
     }
+    bool stuck = false;
     for (int round = 0; round < mostRounds; ++round) {
         find(obstacles);
-        if (!shorten(nodes, obstacles, round, result.crossing)) {
+        if (!shorten(nodes, obstacles, round, stuck)) {
             break;
         }
         result.rounds = round + 1;
@@ -449,6 +449,14 @@ GuardResult CrossingGuard::hold(CoreNodes& nodes, std::span<const Obstacle> obst
                 refit(patch);
             }
         }
+    }
+    // A search looks at what has moved since the last one alone.
+    if (stuck || result.rounds == mostRounds) {
+        for (Patch& patch : m_patches) {
+            patch.moved = true;
+        }
+        find(obstacles);
+        result.crossing = static_cast<int>(m_crossings.size());
     }
     result.held =
         static_cast<int>(std::count_if(m_held.begin(), m_held.end(), [](const Held& held) { return held.round >= 0; }));

@@ -36,7 +36,7 @@ struct Obstacle {
 struct GuardResult {
     int held = 0;      ///< nodes that did not go all of their way
     int rounds = 0;    ///< of search and holding back
-    int crossing = 0;  ///< pairs that cross nevertheless: they did so before, or two rigid bodies press
+    int crossing = 0;  ///< edges in faces nevertheless: they were so before, or two rigid bodies press
 };
 
 class CrossingGuard {
@@ -112,8 +112,8 @@ class CrossingGuard {
     [[nodiscard]] bool isFlat(const Patch& a, const Patch& b) const;
     void testPatches(const Patch& a, const Patch& b);
     void test(std::uint32_t first, const Obstacle* obstacle, int index, std::uint32_t second);
-    /// Less of the ways of what crosses. False if nothing could be shortened.
-    bool shorten(const CoreNodes& nodes, std::span<const Obstacle> obstacles, int round, int& crossing);
+    /// Less of the ways of what crosses. False if nothing could be shortened. Sets `stuck` if something could not.
+    bool shorten(const CoreNodes& nodes, std::span<const Obstacle> obstacles, int round, bool& stuck);
     bool hold(std::uint32_t node, int obstacle, bool moving, int round);
 
     const CarriedSurface& m_surface;

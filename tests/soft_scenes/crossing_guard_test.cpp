@@ -76,6 +76,26 @@ TEST(CrossingGuard, HoldsBackWhatWouldPassThroughAndNoMore) {
     }
 }
 
+TEST(CrossingGuard, TellsWhatCrossedBefore) {
+    Sheets sheets(2);
+    const auto part = [](double x) {
+        return [x](const Vector3d& at, bool upper) {
+            return Vector3d(0, upper && std::abs(at.x() - x) < 0.11 ? -0.08 : 0, 0);
+        };
+    };
+    sheets.move([](const Vector3d&, bool upper) { return Vector3d(upper ? 0.017 : 0, 0, upper ? 0.013 : 0); });
+    sheets.move(part(-0.35));
+    const std::size_t old = sheets.crossings();
+    EXPECT_GT(old, 0U);
+    sheets.nodes.before = sheets.nodes.now;
+    sheets.move(part(0.35));  // takes rounds in which nobody looks at the others any more
+    EXPECT_GT(sheets.crossings(), old);
+    soft::CrossingGuard guard(sheets.surface, sheets.nodes);
+    const soft::GuardResult result = guard.hold(sheets.nodes, {});
+    EXPECT_GE(result.crossing, static_cast<int>(old));  // an edge once for each of its triangles
+    EXPECT_EQ(sheets.crossings(), old);
+}
+
 TEST(CrossingGuard, SeesAFoldBetweenNeighbours) {
     Sheets sheets(1);
     // One half turns over and through the other.
